@@ -82,7 +82,9 @@ style: $(DEVELOPED)
 	$(BIN)/ruff check $(SOURCES)
 
 types: $(DEVELOPED)
-	$(BIN)/mypy --cache-dir $(VENV)/mypy $(SOURCES)
+	@# What mypy makes it keeps: looking for garbage is a fifth of its time.
+	$(BIN)/python -c "import gc; gc.disable(); gc.enable = gc.disable; from mypy.__main__ import console_entry; console_entry()" \
+		--cache-dir $(VENV)/mypy $(SOURCES)
 
 bench: $(DEVELOPED)
 	@set -e; for script in $(sort $(wildcard studies/benchmarks/bench_*.py)); do \

@@ -233,8 +233,10 @@ def coated(primary: PlacedBody, own: Coating | None, other: Coating | None) -> P
 
 
 def _near_fields(kinds: IntArray, finest: tuple[float, ...], own: Bricks, other: Bricks, turn: Array) -> Array:
-    """Corrections (m, 2 a + 1, 2 t + 1, 3, 3) around nodes of each kind (m, 4): powers of `_ALIKE` on the four finest
-    sizes.
+    """Displacements (m, 2 a + 1, 2 t + 1, 3, 3) in mm/N that `facing` adds at nodes around a loaded one.
+
+    kinds: (m, 4) powers of `_ALIKE` by which the elements about the loaded node are larger than the `finest`: along and
+    across, of this body and of the other. turn: (3, 3) from this body's axes to the other's.
     """
     ways = ((float(turn[0, 0]), float(turn[0, 1])), (float(turn[1, 0]), float(turn[1, 1])))
     found = []

@@ -15,6 +15,7 @@ from studies.blind.generators.cases import KINDS_OF_OTHERS, planned_cases
 from studies.blind.generators.other_simulators.causes import SIZES, sizes
 from studies.blind.generators.other_simulators.foundation import Foundation
 from studies.blind.generators.other_simulators.half_space import HalfSpaces, HalfSpaceWires
+from studies.blind.generators.other_simulators.joints import Sliders
 from studies.blind.generators.other_simulators.layers import ElasticLayer, Plane
 from studies.blind.generators.other_simulators.logger import drawn_logger, figures, logged_scars
 from studies.blind.generators.other_simulators.model import (
@@ -30,6 +31,7 @@ from studies.blind.generators.other_simulators.pair import Layer, Touch
 from studies.blind.generators.other_simulators.rig import Loop, periodic_loop, readings
 from studies.blind.generators.other_simulators.tests_drawn import (
     SIMULATORS,
+    JointTest,
     LineTest,
     StickingTest,
     Test,
@@ -49,6 +51,7 @@ TESTS: dict[str, Test] = {
     "layers": LineTest(radius_mm=15.0, length_mm=4.0, load_N=80.0, amplitude_um=30.0, cycles=3000, friction=0.6),
 }
 NAMES = tuple(TESTS)
+TESTS["joint"] = JointTest(load_N=40.0, amplitude_um=300.0, friction=0.4, cycles=300, own_N_per_mm=400.0, spread=0.2)
 
 
 def paraboloid(count: int, half_mm: float) -> tuple[np.ndarray, float]:
@@ -130,7 +133,14 @@ def loop_of(simulator: str, **changes: Any) -> tuple[Loop, World, Contact]:
     return periodic_loop(world, 1, test.load_N, touch, pair), world, pair
 
 
-@pytest.mark.parametrize("simulator", NAMES)
+def test_a_joint_gives_way_as_many_springs_with_sliders() -> None:
+    lag, way = 0.5 * 100.0 / 1000.0, np.linspace(0.0, 0.4, 101)
+    limits = lag * np.linspace(0.8, 1.2, 4001)
+    expected = np.clip(way[:, None] - limits, -limits, limits).mean(axis=1) / lag
+    assert Sliders(1000.0, 0.2).stroke(way, 0.2, 0.5, 100.0) == pytest.approx(expected, abs=1e-4)
+
+
+@pytest.mark.parametrize("simulator", TESTS)
 def test_the_work_of_friction_is_the_area_of_the_loop_and_that_of_sliding(simulator: str) -> None:
     loop, world, pair = loop_of(simulator, compliance_mm_per_N=2e-4, pressure_exponent=0.0, speed_exponent=0.0)
     area = figures(readings(world, 1, loop))["dissipated_energy_mJ"]

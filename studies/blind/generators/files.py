@@ -53,11 +53,7 @@ def conditions_table(nominal: Nominal | LineNominal) -> dict[str, Any]:
 def record_tables(case: Case) -> PointRecordTables:
     """The tables of experiment.toml."""
     nominal, nuisances = case.nominal, case.nuisances
-    stated: dict[str, Any] = {
-        "friction": nominal.friction,
-        "energy_wear_coefficient_mm3_per_J": nominal.wear_mm3_per_J,
-        "normal_spring_stiffness_N_per_mm": nominal.spring_N_per_mm,
-    }
+    stated = nominal.stated
     if nominal.stiffness_N_per_mm is not None:
         stated["tangential_stiffness_N_per_mm"] = nominal.stiffness_N_per_mm
     of_wires = nominal.kind == RecordTables.contact_kind

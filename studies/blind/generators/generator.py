@@ -48,7 +48,7 @@ class Generator(Protocol):
 
     @property
     def tier(self) -> str:
-        """T0, T1, T2, T3, A1, B1 or L1."""
+        """Its name among the tiers of docs/blind.md, as T0 or L1."""
         ...
 
     @property

@@ -46,6 +46,15 @@ class Nominal:
         return {"wires": {"diameter_mm": self.diameter_mm, **elastic, "crossing_angle_deg": angle}}
 
     @property
+    def stated(self) -> dict[str, float]:
+        """What its owner states besides the rig's stiffness."""
+        return {
+            "friction": self.friction,
+            "energy_wear_coefficient_mm3_per_J": self.wear_mm3_per_J,
+            "normal_spring_stiffness_N_per_mm": self.spring_N_per_mm,
+        }
+
+    @property
     def expected_scar_mm(self) -> float:
         """Half-width of the scar, V = π R h² of crossed wires (a scar longer than the stroke)."""
         energy_J = 4e-6 * self.friction * self.load_N * self.amplitude_um * self.cycles

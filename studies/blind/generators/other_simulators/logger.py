@@ -53,7 +53,7 @@ def drawn_logger(test: Test, random: np.random.Generator) -> Logger:
         has_normal_force=bool(random.random() < 0.65),
         # Tables of energies have five digits, of which those of partial slip use one or two.
         has_evolution=bool(random.random() < 0.67) and test.slides,
-        has_scars=bool(random.random() < 0.75) and test.slides,
+        has_scars=bool(random.random() < 0.75) and test.wears,
         loop_cycles=(tuple(snapshots[kept].tolist()),) * repeats,
         evolution_cycles=tuple(snapshots.tolist()),
         steps=(noise[0] * random.uniform(0.05, 2.0), noise[1] * random.uniform(0.05, 2.0)),

@@ -16,6 +16,7 @@ from studies.blind.generators.nominal import Nominal
 from studies.blind.generators.other_simulators import logger as logs
 from studies.blind.generators.other_simulators.foundation import FoundationWires
 from studies.blind.generators.other_simulators.half_space import HalfSpaceWires
+from studies.blind.generators.other_simulators.joints import Sliders
 from studies.blind.generators.other_simulators.layers import ElasticLayer, LinePair
 from studies.blind.generators.other_simulators.logger import Channels, Logger, drawn_logger
 from studies.blind.generators.other_simulators.pair import Array, Pair
@@ -23,6 +24,7 @@ from studies.blind.generators.other_simulators.rig import periodic_loop, reading
 from studies.blind.generators.other_simulators.strips import StripWires
 from studies.blind.generators.other_simulators.tests_drawn import (
     SIMULATORS,
+    JointTest,
     LineTest,
     Test,
     WireTest,
@@ -35,21 +37,24 @@ from wirewear.records import AnyRecord, ExperimentRecord, MeasuredProfile, Measu
 from wirewear.records.contact_tables import RECORDS, LineRecordTables
 from wirewear.records.tables import PointRecordTables
 
-Contact = HalfSpaceWires | FoundationWires | StripWires | LinePair
+Contact = HalfSpaceWires | FoundationWires | StripWires | LinePair | Sliders
 
 #: Cells of a scar's half-length, and how much longer the grid is than the scar that is expected.
-CELLS, WIDER = {"half_space": 20, "foundation": 26, "strips": 70, "layers": 80, "sticking": 32}, 1.35
+CELLS, WIDER = {"half_space": 20, "foundation": 26, "strips": 70, "layers": 80, "sticking": 32, "joint": 1}, 1.35
 #: Cycles grow so much from jump to jump; the first jump has this share of the first snapshot's.
-GROWTH, FIRST = {"half_space": 1.25, "foundation": 1.12, "strips": 1.12, "layers": 1.15, "sticking": 2.0}, 0.1
+GROWTH, FIRST = (
+    {"half_space": 1.25, "foundation": 1.12, "strips": 1.12, "layers": 1.15, "sticking": 2.0, "joint": 2.0},
+    0.1,
+)
 SPEED_EXPONENT, PRESSURE_EXPONENT = 0.004, -0.004  #: Exponents of friction by speed and by pressure that strips have.
+OF_BODIES = "roughness_compliance", "third_body", "plasticity", "crossing_angle_error"
+OF_WEAR = "wear_rate_offset", "wear_rate_evolution"
 #: Effects that a simulator cannot make.
 CANNOT = {
     "strips": ("crossing_angle_error",),
     "layers": ("crossing_angle_error", "plasticity"),
-    "sticking": (
-        *("roughness_compliance", "third_body", "plasticity", "crossing_angle_error"),
-        *("wear_rate_offset", "wear_rate_evolution"),
-    ),
+    "sticking": (*OF_BODIES, *OF_WEAR),
+    "joint": (*OF_BODIES, *OF_WEAR),
 }
 WORN_SEAMS = ("wear", "specimens")  #: Where causes enter that only wear shows.
 
@@ -71,9 +76,9 @@ class OtherSimulators:
 
     @property
     def outside(self) -> Sequence[str]:
-        """Causes of no library; where little is worn, those that wear or worn specimens would show are none."""
+        """Causes of no library; where nothing is worn, those that wear or worn specimens would show are none."""
         causes = causes_of("others")
-        return causes if self.chosen != "sticking" else [one for one in causes if seam_of(one) not in WORN_SEAMS]
+        return [one for one in causes if seam_of(one) not in WORN_SEAMS] if self._without(*OF_WEAR) else causes
 
     @property
     def description(self) -> str:
@@ -82,8 +87,11 @@ class OtherSimulators:
     @property
     def library(self) -> Sequence[str]:
         """Effects that all of them can make."""
-        missing = {effect for simulator in SIMULATORS[self.chosen] for effect in CANNOT.get(simulator, ())}
-        return tuple(effect for effect in LIBRARY_EFFECTS if effect not in missing)
+        return tuple(effect for effect in LIBRARY_EFFECTS if not self._without(effect))
+
+    def _without(self, *effects: str) -> bool:
+        """Whether one of its simulators can make none of them."""
+        return any({*effects} <= {*CANNOT.get(simulator, ())} for simulator in SIMULATORS[self.chosen])
 
     def nominals(self, number: int, random: np.random.Generator) -> Sequence[Nominal]:
         """So many tests, drawn."""
@@ -155,6 +163,8 @@ def contact_of(test: Test, angle_error_deg: float = 0.0) -> Contact:
     """The bodies of a test before any wear."""
     reach = 1.15e-3 * test.amplitude_um
     cells = CELLS[test.simulator]
+    if isinstance(test, JointTest):
+        return Sliders(test.own_N_per_mm, test.spread)
     if isinstance(test, LineTest):
         half = WIDER * test.expected_scar_mm
         x = half / cells * np.arange(-cells, cells + 1.0)
@@ -209,7 +219,7 @@ def simulated(test: Test, world: World, snapshots: Sequence[int]) -> Course:
         if following > now:
             volume = 1e-3 * world.wear_at(now, following) * loop.work_mJ * (following - now)
             load = world.load_at(0.5 * (now + following), touch.approach_mm - (first_approach or 0.0))
-            if test.slides:
+            if test.wears:
                 pair.sweep(load, half_slip, volume / load, world.moving_share, layer)
         now = following
     return Course(channels, scars_of(pair))

@@ -1,5 +1,5 @@
-"""Tests by others: wires of other materials, sizes and angles than the article's, lines on shallow bodies, and balls on
-flats in partial slip.
+"""Tests by others: wires of other materials, sizes and angles than the article's, lines on shallow bodies, balls on
+flats in partial slip, and joints.
 """
 
 from collections.abc import Sequence
@@ -18,6 +18,7 @@ SIMULATORS = {
     "development": ("foundation", "strips"),
     "scoring": ("half_space", "layers", "half_space"),
     "sticking": ("sticking",),
+    "joints": ("joint",),
 }
 
 #: Aluminium, titanium, bronze, zirconia's like, steel: Young's modulus and Poisson's ratio.
@@ -39,16 +40,20 @@ MOST_OF_BODIES = 0.08
 MOST_TAKEN, WIDEST, DEPTHS_mm, LEAST_mJ, LENGTHS = 0.25, 0.4, (1e-3, 0.05), 5e-3, (0.3, 12.0)
 #: Of partial slip: force over friction's limit, strokes, and largest pressure.
 REACHED, STROKES_um, LARGEST_MPa = (0.3, 0.97), (0.4, 20.0), 2500.0
+#: Of joints: part of the stroke that their own stiffness takes, and by how much their sliders' limits differ.
+JOINT_TAKES, SPREAD = (0.02, 0.35), (0.0, 0.2)
 
 
 @dataclass(frozen=True)
 class WireTest(Nominal):
     """Crossed wires, and who simulates them.
 
-    slides: whether the contact must slide, and wears. shares: of the load, at which partial slip is traced.
+    slides, wears: whether the contact must slide, and whether it wears. shares: of the load, at which partial slip is
+    traced.
     """
 
     slides: ClassVar[bool] = True
+    wears: ClassVar[bool] = True
     shares: ClassVar[Array] = SHARES
 
     simulator: str = "foundation"
@@ -95,6 +100,7 @@ class LineTest(LineNominal):
     """A cylinder on a flat, both shallow beside their widths, so that they are elastic layers."""
 
     slides: ClassVar[bool] = True
+    wears: ClassVar[bool] = True
 
     simulator: str = "layers"
     elongation: float = 1.0
@@ -121,6 +127,7 @@ class StickingTest(WireTest):
     kind: ClassVar[str] = "ball-on-flat"
     bodies: ClassVar[tuple[str, str]] = ("flat", "ball")
     slides: ClassVar[bool] = False
+    wears: ClassVar[bool] = False
     #: Cores whose sizes are close where little slips.
     shares: ClassVar[Array] = (1.0 - np.linspace(0.95, 0.0, 36) ** 2) ** 3
 
@@ -138,6 +145,36 @@ class StickingTest(WireTest):
         return STROKES_um[0] < self.amplitude_um < STROKES_um[1] and peak_MPa < LARGEST_MPa
 
 
+@dataclass(frozen=True)
+class JointTest(WireTest):
+    """A joint whose friction and stiffness are known, without bodies and wear.
+
+    spread: by which part its sliders' limits lie around their mean, which no owner states.
+    """
+
+    kind: ClassVar[str] = "joint"
+    wears: ClassVar[bool] = False
+
+    simulator: str = "joint"
+    own_N_per_mm: float = 1000.0
+    spread: float = 0.1
+
+    @property
+    def tables(self) -> dict[str, Any]:
+        """The joint's own stiffness."""
+        return {"contact": {"kind": self.kind, "contact_stiffness_N_per_mm": self.own_N_per_mm}}
+
+    @property
+    def stated(self) -> dict[str, float]:
+        """Friction alone."""
+        return {"friction": self.friction}
+
+    @property
+    def sensible(self) -> bool:
+        """Whether the energy of a cycle can be written."""
+        return 4.0 * self.friction * self.load_N * 1e-3 * self.amplitude_um > LEAST_mJ
+
+
 Test = WireTest | LineTest
 
 
@@ -151,6 +188,8 @@ def drawn_tests(number: int, simulators: Sequence[str], random: np.random.Genera
             test = _drawn_line(random)
         elif simulator == "sticking":
             test = _drawn_sticking(random)
+        elif simulator == "joint":
+            test = _drawn_joint(random)
         else:
             test = _drawn_wires(simulator, random)
         if test.sensible:
@@ -206,6 +245,26 @@ def _drawn_sticking(random: np.random.Generator) -> StickingTest:
         stiffness = float(f"{friction * test.load_N / slides_mm * np.exp(random.uniform(-1.0, 1.0) * np.log(5.0)):.3g}")
         given_mm += reached * friction * test.load_N / stiffness
     return replace(test, amplitude_um=float(f"{1e3 * given_mm:.3g}"), stiffness_N_per_mm=stiffness)
+
+
+def _drawn_joint(random: np.random.Generator) -> JointTest:
+    friction, load, amplitude = (
+        round(random.uniform(0.1, 0.8), 2),
+        _digits(random, 5.0, 5000.0),
+        _digits(random, 5.0, 3000.0),
+    )
+    limit, taken = friction * load, np.exp(random.uniform(*np.log(JOINT_TAKES)))
+    return JointTest(
+        load_N=load,
+        amplitude_um=amplitude,
+        frequency_Hz=_digits(random, 0.1, 20.0),
+        cycles=int(_digits(random, 3e1, 1e5, 1)),
+        friction=friction,
+        stiffness_N_per_mm=None if random.random() < 0.25 else _stiffness(limit, amplitude, random),
+        spring_N_per_mm=0.0,
+        own_N_per_mm=float(f"{1e3 * limit / (amplitude * taken):.3g}"),
+        spread=random.uniform(*SPREAD),
+    )
 
 
 def _drawn_line(random: np.random.Generator) -> LineTest:
