@@ -125,7 +125,7 @@ def test_metal_that_flows_is_named_before_it_is_followed(monkeypatch: pytest.Mon
 @pytest.mark.seconds
 @pytest.mark.parametrize(
     ("yield_MPa", "pressure_MPa", "radius_um", "print_um"),
-    [(1400.0, 2889.0, 16.2, 0.120), (1800.0, 3556.0, 15.1, 0.063), (2400.0, 4273.0, 14.6, 0.014)],
+    [(1400.0, 2952.0, 16.2, 0.120), (1800.0, 3556.0, 15.1, 0.063), (2400.0, 4273.0, 14.6, 0.014)],
 )
 def test_wires_whose_metal_flows_are_pressed_as_finite_elements_say(
     yield_MPa: float, pressure_MPa: float, radius_um: float, print_um: float
@@ -134,7 +134,7 @@ def test_wires_whose_metal_flows_are_pressed_as_finite_elements_say(
     grid, settings = near.pressing, near.settings
     upper, lower = grid.rubbed.pressed
     pressure, cell = -upper.traction_MPa[..., 2], float(np.diff(grid.axes_mm[0][:2])[0]) ** 2
-    assert largest_MPa(pressure) == pytest.approx(pressure_MPa, rel=0.03)
+    assert largest_MPa(pressure) == pytest.approx(pressure_MPa, rel=0.015)
     assert 1e3 * (cell * (pressure > 0.0).sum() / np.pi) ** 0.5 == pytest.approx(radius_um, rel=0.03)
     for body in (upper, lower):
         assert -1e3 * body.residual_mm[..., 2].min() == pytest.approx(print_um, rel=0.1)
