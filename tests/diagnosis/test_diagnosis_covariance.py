@@ -199,6 +199,19 @@ def test_errors_of_readings_grow_with_the_correlation_of_the_noise() -> None:
     assert np.divide(errors[0.7], errors[0.0]) == pytest.approx([1.0, 2.4, 2.4], rel=0.25)
 
 
+@pytest.mark.parametrize("steps", [0.01, 1.7])
+def test_normal_forces_along_the_stroke_scatter_as_their_errors_say_whatever_the_converters_steps(steps: float) -> None:
+    random, deviations, step = np.random.default_rng(12), [], 0.008 * steps
+    for cycle in range(1, 61):
+        loop = noisy_loop(cycle, 0.0, random, count=160)
+        assert loop.normal_force_N is not None
+        loop = replace(loop, normal_force_N=step * np.round((loop.normal_force_N + random.uniform(0.0, step)) / step))
+        read = reduced_loop(loop, Noise(), 2.0)
+        along = [one.read(read, Site(cycle)) for one in (channels.NormalForceAtEnds(), channels.NormalForceBySides())]
+        deviations += [value / error for value, error in along]
+    assert np.std(deviations) == pytest.approx(0.8, abs=0.25)
+
+
 COUNT = 400
 
 

@@ -137,7 +137,7 @@ def test_a_joint_gives_way_as_many_springs_with_sliders() -> None:
     lag, way = 0.5 * 100.0 / 1000.0, np.linspace(0.0, 0.4, 101)
     limits = lag * np.linspace(0.8, 1.2, 4001)
     expected = np.clip(way[:, None] - limits, -limits, limits).mean(axis=1) / lag
-    assert Sliders(1000.0, 0.2).stroke(way, 0.2, 0.5, 100.0) == pytest.approx(expected, abs=1e-4)
+    assert Sliders(1000.0, 0.2, 1.0).stroke(way, 0.2, 0.5, 100.0) == pytest.approx(expected, abs=1e-4)
 
 
 @pytest.mark.parametrize("simulator", TESTS)

@@ -243,6 +243,15 @@ def outside_neighbours(loops: Array, allowed: Callable[[Array], Array]) -> BoolA
     return outside
 
 
+def median_in_steps(values: Array) -> float:
+    """Median of values (n,); of values in steps that of what was rounded to them, as if it lay evenly within each.
+
+    Of a converter whose steps are as large as the noise, the value in the middle alone jumps from step to step.
+    """
+    levels, counts = np.unique(values, return_counts=True)
+    return float(np.interp(0.5 * values.size, np.cumsum(counts) - 0.5 * counts, levels))
+
+
 def step_of(values: Array) -> float:
     """Resolution of a channel (n,): the smallest distance of which its values are multiples; 0 if they have none."""
     levels = np.unique(values)

@@ -30,6 +30,7 @@ from wirewear.diagnosis.observe.observed_record import Reading, spread_cycles
 from wirewear.diagnosis.surrogate.forward import PredictedLoops
 from wirewear.diagnosis.surrogate.inputs import SurrogateInputs
 from wirewear.diagnosis.surrogate.sensing import SLIDING, read_along
+from wirewear.loops.noise import median_in_steps
 from wirewear.loops.sensor import enclosed_areas
 
 _KNOWN = constants("observe.channels.normal_along")
@@ -137,7 +138,7 @@ class _AlongStroke(OfLoops):
             one, other = (branch.normal_N[slides & part] for part in self.parts(place))
             if min(one.size, other.size) < FEWEST:
                 return np.nan, np.nan
-            values.append(float(np.median(one) - np.median(other)))
+            values.append(median_in_steps(one) - median_in_steps(other))
             # The mean of a branch has this error, of all its samples together.
             variances.append(loop.normal_error_N**2 * np.count_nonzero(slides) * (1.0 / one.size + 1.0 / other.size))
         # A median of normal deviates scatters by a factor √(π/2) more than their mean.

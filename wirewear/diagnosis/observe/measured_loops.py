@@ -21,6 +21,7 @@ from wirewear.loops.noise import (
     correlated_noise,
     correlation_of,
     correlation_of_neighbours,
+    median_in_steps,
     noise_of_neighbours,
     rounding_noise,
     step_of,
@@ -297,9 +298,10 @@ def _noise_of_samples(
 
 
 def _usual(values: Array) -> tuple[float, float]:
-    """Median of values, and their robust standard deviation about it."""
-    centre = float(np.median(values))
-    return centre, 1.4826 * float(np.median(np.abs(values - centre))) + 1e-12
+    """Median of values, and their robust standard deviation about it, at least what their steps add."""
+    centre = median_in_steps(values)
+    spread = 1.4826 * median_in_steps(np.abs(values - centre))
+    return centre, max(spread, rounding_noise(step_of(values))) + 1e-12
 
 
 def _force_noise(
@@ -316,7 +318,7 @@ def _force_noise(
         place = 2.0 * (x - x.min()) / max(float(np.ptp(x)), 1e-12) - 1.0
         design = np.polynomial.chebyshev.chebvander(place, degree)
         rest = q - design @ np.linalg.lstsq(design, q, rcond=None)[0]
-        spread = 1.4826 * float(np.median(np.abs(rest)))
+        spread = max(1.4826 * float(np.median(np.abs(rest))), rounding_N)
         parts.append((design, np.clip(rest, -OUTLYING * spread, OUTLYING * spread)))
     return correlated_noise(parts, stated.tangential_force_N, rounding_N)
 

@@ -19,9 +19,9 @@ class OneCell:
 class Sliders(Pair):
     """A joint of given stiffness; `spread` is the largest difference of a slider's limit from their mean, over it."""
 
-    def __init__(self, stiffness_N_per_mm: float, spread: float) -> None:
+    def __init__(self, stiffness_N_per_mm: float, spread: float, reach_mm: float) -> None:
         """No bodies are known: a single cell stands for both."""
-        super().__init__(np.zeros((1, 1)), (1.0, 1.0), 0.0, 1, OneCell())
+        super().__init__(np.zeros((1, 1)), (1.0, 1.0), reach_mm, 1, OneCell())
         self.stiffness, self.limits = stiffness_N_per_mm, (1.0 - spread, 1.0 + spread)
 
     def settle(self, load_N: float, layer: Layer) -> None:

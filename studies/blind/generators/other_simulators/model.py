@@ -164,7 +164,7 @@ def contact_of(test: Test, angle_error_deg: float = 0.0) -> Contact:
     reach = 1.15e-3 * test.amplitude_um
     cells = CELLS[test.simulator]
     if isinstance(test, JointTest):
-        return Sliders(test.own_N_per_mm, test.spread)
+        return Sliders(test.own_N_per_mm, test.spread, reach)
     if isinstance(test, LineTest):
         half = WIDER * test.expected_scar_mm
         x = half / cells * np.arange(-cells, cells + 1.0)
