@@ -1,6 +1,7 @@
 """Right effects that leave something: what an answer makes of them, and what is no cause at all."""
 
 from dataclasses import replace
+from functools import partial
 
 import numpy as np
 import pytest
@@ -13,9 +14,11 @@ from studies.blind.generators.waveform import Waveform
 from tests.diagnosis.diagnosis_cases import nominal, record, states
 from tests.diagnosis.layouts import at_sites
 from wirewear.diagnosis import diagnose
+from wirewear.diagnosis.answer import Cause, Estimate
 from wirewear.diagnosis.infer.covariance import estimate
 from wirewear.diagnosis.infer.inference import Fit, Problem, fit
-from wirewear.diagnosis.infer.search import pair_fits
+from wirewear.diagnosis.infer.resembling import imitations
+from wirewear.diagnosis.infer.search import PAIR_GAIN, gain_needed, pair_fits
 from wirewear.diagnosis.infer.weighing import Weighed, classes_of
 from wirewear.diagnosis.observe import Site
 from wirewear.diagnosis.observe.channels import own_noise
@@ -23,7 +26,7 @@ from wirewear.diagnosis.observe.reduction import reduce
 from wirewear.diagnosis.observe.scars import ScarSkew
 from wirewear.diagnosis.surrogate.candidates import Candidate, library
 from wirewear.diagnosis.surrogate.forward import simulate
-from wirewear.diagnosis.wording import of_remainder, remaining
+from wirewear.diagnosis.wording import of_remainder, remaining, sentence_of
 from wirewear.records import AnyRecord
 
 SPRING_N_per_mm, PLAY_um = 7200.0, 2.9
@@ -91,6 +94,36 @@ def test_a_pair_is_found_although_another_single_effect_leads() -> None:
     lag, *pair = (fit(problem, [candidate(name)]) for name in ("sensor_lag:force", *PAIR))
     found = pair_fits(problem, fit(problem, ()), [replace(lag, log_evidence=0.0), *pair])
     assert set(max(found, key=lambda one: one.merit).names) == set(PAIR)
+
+
+@pytest.mark.seconds
+def test_a_wear_rate_looks_like_wear_that_changes_and_free_play_like_nothing_else() -> None:
+    observed, setup = reduce(record(repeats=1)), nominal("sensor")
+    problem = Problem.of(states(), setup, observed.layout, estimate(states(), setup, observed))
+
+    def alike(name: str, value: float) -> list[str]:
+        one = candidate(name)
+        true = np.array([next(iter(one.parameters.values())).coordinate(value)])
+        found = fit(replace(problem, mean=problem.predicted(one.applied(setup, true))), [one], [true])
+        assert gain_needed(problem, replace(found, distance2=2.0 * problem.mean.size)) == 2.0 * PAIR_GAIN
+        return [own.family for own in imitations(problem, found)]
+
+    assert alike("wear_rate_offset", 1.5) == ["wear that goes faster and slower over the test"]
+    assert alike("free_play", 6.0) == []
+
+
+def test_what_all_likely_explanations_share_is_sure_and_what_acts_beside_it_is_open() -> None:
+    def pair(effect: str, probability: float) -> list[Cause]:
+        play = Cause("free_play", probability, {"gap_um": Estimate(1.1, (0.9, 1.3))}, joint=True)
+        return [play, Cause(effect, probability, {"coefficient": Estimate(0.1, (0.08, 0.12))}, joint=True)]
+
+    said = partial(sentence_of, "ambiguous", equivalent=(), shrink=None, where=())
+    alone = Cause("free_play", 0.2, {"gap_um": Estimate(1.12, (0.9, 1.3))})
+    shared = said([*pair("misalignment", 0.25), alone, *pair("force_crosstalk", 0.1)])
+    assert shared.startswith("Free play, gap 1.1 µm (0.9 to 1.3), is there for sure, and its numbers hold")
+    assert "misalignment, coefficient 0.1 (0.08 to 0.12), or force crosstalk, " in shared
+    assert shared.endswith("or nothing, which this record cannot tell.")
+    assert "for sure" not in said([*pair("misalignment", 0.25), Cause("friction_offset", 0.4, {})])
 
 
 def test_effects_that_are_one_beside_another_are_a_class_though_neither_explains_alone() -> None:

@@ -12,7 +12,7 @@ from geometry.arrays import Array
 from wirewear.base.cache import code_hash
 from wirewear.diagnosis.calibration import constants, digest
 from wirewear.diagnosis.infer.inference import REACH, Fit
-from wirewear.diagnosis.infer.resembling import Resemblance
+from wirewear.diagnosis.infer.resembling import Imitation, Resemblance
 from wirewear.diagnosis.infer.search import Search
 from wirewear.diagnosis.infer.shrink import Shrink
 from wirewear.diagnosis.infer.weighing import Weighed
@@ -179,8 +179,9 @@ class Diagnosis:
     the best effects, by name and unit. confirmed: None if not asked for. where: zones that differ. equivalent: groups
     of effects that cannot be distinguished. undetectable: effects that the record would not show. next_measurement:
     "what" to measure, "why", and the effects that it "splits"; None if none would help. notes: sentences on what limits
-    the answer. resembles: what a gap of unknown cause behaves like. partial, remainder: None if no effects explain a
-    part only. plausible: classes of effects among which the cause is in nine records of ten. updated_by: names of
+    the answer. resembles: what a gap of unknown cause behaves like. equivalent_unknown: causes of no
+    library that the record cannot tell from the effects that explain it. partial, remainder: None if no effects explain
+    a part only. plausible: classes of effects among which the cause is in nine records of ten. updated_by: names of
     further records. checked: remarks of `wirewear check`.
     """
 
@@ -198,6 +199,7 @@ class Diagnosis:
     next_measurement: Mapping[str, Any] | None
     notes: tuple[str, ...]
     resembles: tuple[Resemblance, ...] = ()
+    equivalent_unknown: tuple[Imitation, ...] = ()
     partial: Partial | None = None
     remainder: Remaining | None = None
     plausible: tuple[tuple[str, ...], ...] = ()
@@ -247,6 +249,7 @@ class Diagnosis:
             "resembles": [asdict(one) for one in self.resembles],
             "set90": [list(members) for members in self.plausible],
             "equivalent": [list(members) for members in self.equivalent],
+            "equivalent_unknown": [asdict(one) for one in self.equivalent_unknown],
             "undetectable": list(self.undetectable),
             "next_measurement": None if self.next_measurement is None else dict(self.next_measurement),
             "notes": list(self.notes),

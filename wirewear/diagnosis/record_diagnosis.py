@@ -14,7 +14,16 @@ from wirewear.diagnosis.infer.left_open import joined, masses, measurement_after
 from wirewear.diagnosis.infer.resembling import Resemblance, resemblances
 from wirewear.diagnosis.infer.search import Search, search, updated
 from wirewear.diagnosis.infer.shrink import Shrink, shrink_of
-from wirewear.diagnosis.infer.weighing import Weighed, classes_of, force_zero, gains_of, leading_fit, relevant, weigh
+from wirewear.diagnosis.infer.weighing import (
+    LEAST_DISPERSION,
+    Weighed,
+    classes_of,
+    force_zero,
+    gains_of,
+    leading_fit,
+    relevant,
+    weigh,
+)
 from wirewear.diagnosis.infer.where import (
     GapFinding,
     Place,
@@ -32,6 +41,7 @@ from wirewear.diagnosis.surrogate.nominal import ObserverOf, Stage
 from wirewear.diagnosis.surrogate.wear_states import WearStates
 from wirewear.diagnosis.wording import (
     Diagnosed,
+    of_imitations,
     of_laws,
     of_remainder,
     of_scatter,
@@ -49,9 +59,6 @@ _KNOWN = constants("record_diagnosis")
 #: An explanation that leaves at most this share of a gap is one, and what it leaves a remainder of unknown cause; from
 #: this share on it is named.
 MOST_LEFT, LEAST_LEFT = _KNOWN.each("most_left", "least_left")
-
-#: Evidence counts for more where less is left than is expected, down to this share of it.
-LEAST_DISPERSION = _KNOWN.number("least_dispersion")
 
 
 def diagnose(
@@ -242,12 +249,14 @@ def _stated(
     # Where an unknown cause is likelier than the explanation, its numbers are those of an imitation.
     holds = checked.remains and verdict != "unexplained"
     remainder = remaining(checked.left, findings(gap.left_over)) if holds else None
+    alike = found.imitated(best) if best.names and verdict in ("explained", "ambiguous") else ()
     return Diagnosis(
         record=record.name,
         model=study.name,
         verdict=verdict,
         sentence=sentence_of(verdict, causes, equivalent, shrink, finding, partial, resembles, relevance, behind, asked)
-        + of_remainder(remainder),
+        + of_remainder(remainder)
+        + of_imitations(alike),
         shrink=shrink,
         physical=checked.physical,
         confirmed=None,
@@ -265,6 +274,7 @@ def _stated(
             *of_the_record(record, found.problem.setup, observed, shrink, checked.wrong),
         ),
         resembles=resembles,
+        equivalent_unknown=alike,
         partial=partial,
         remainder=remainder,
         plausible=set90,

@@ -13,10 +13,10 @@ from wirewear.base.units import unit_of, words_of
 from wirewear.diagnosis.answer import Cause, Diagnosis, Estimate, Partial, Remaining, Verdict
 from wirewear.diagnosis.calibration import constants
 from wirewear.diagnosis.infer.inference import Fit
-from wirewear.diagnosis.infer.resembling import Resemblance
+from wirewear.diagnosis.infer.resembling import Imitation, Resemblance
 from wirewear.diagnosis.infer.search import Search
 from wirewear.diagnosis.infer.shrink import Shrink
-from wirewear.diagnosis.infer.weighing import ForceZero, Weighed
+from wirewear.diagnosis.infer.weighing import SURE, ForceZero, Weighed
 from wirewear.diagnosis.infer.where import GapFinding, Relevance
 from wirewear.diagnosis.observe.reduction import Observations
 from wirewear.diagnosis.surrogate.candidates import unsupported
@@ -118,17 +118,13 @@ class Explanation:
 
 def explanations(causes: Sequence[Cause], equivalent: Sequence[Sequence[str]]) -> list[Explanation]:
     """Possible causes of a gap, most probable first; effects of one group of `equivalent` count as one explanation."""
-
-    def members(cause: Cause) -> tuple[str, ...]:
-        return next((tuple(group) for group in equivalent if cause.effect in group), (in_words(cause),))
-
     joint = [cause for cause in causes if cause.joint]
     found: dict[tuple[tuple[str, ...], ...], Explanation] = {}
     # Both halves of a pair stand side by side.
     for own in (*((cause,) for cause in causes if not cause.joint), *zip(joint[::2], joint[1::2], strict=True)):
-        key = tuple(sorted(map(members, own)))
+        key = tuple(sorted(_group(cause, equivalent) for cause in own))
         words = " together with ".join(
-            f"{in_words(one)}{' or its like' if len(members(one)) > 1 else ''}" for one in own
+            f"{in_words(one)}{' or its like' if len(_group(one, equivalent)) > 1 else ''}" for one in own
         )
         known = found.get(key, Explanation(words, own, 0.0, own[0].effect not in ("none", "outside_library")))
         found[key] = replace(known, probability=known.probability + sum(cause.probability for cause in own))
@@ -220,9 +216,10 @@ def sentence_of(
         return f"There is a gap that no known effect, and no pair of them, explains.{like or place}"
     words = " together with ".join(_one(cause, equivalent) for cause in named[0].causes)
     if verdict == "ambiguous":
+        sure = _sure(named, equivalent)
         rivals = [one.words for one in weighed if one != named[0] and one.causes[0].effect != "none"]
         others = " or ".join(rivals[:2]) or "other effects"
-        return f"{_may_explain(causes[0], words, others)}{place}"
+        return f"{_beside(sure, named, equivalent) if sure else _may_explain(causes[0], words, others)}{place}"
     explains = f"{words[0].upper()}{words[1:]}, explain{'s' if len(named[0].causes) == 1 else ''} the gap"
     if not shrink.shows_gap:
         seen = f" in the {where[0].place}" if where else ""
@@ -255,6 +252,39 @@ def _left_open(causes: Sequence[Cause], asked: Mapping[str, Any] | None) -> str:
     return f" The record does not rule out {_one(like, ())}{would}."
 
 
+def _group(cause: Cause, equivalent: Sequence[Sequence[str]]) -> tuple[str, ...]:
+    return next((tuple(group) for group in equivalent if cause.effect in group), (in_words(cause),))
+
+
+def _sure(named: Sequence[Explanation], equivalent: Sequence[Sequence[str]]) -> Cause | None:
+    """The likeliest cause that explanations of the probability `SURE` together share; None without one."""
+    found: dict[tuple[str, ...], float] = {}
+    for one in named:
+        for group in {_group(cause, equivalent) for cause in one.causes}:
+            found[group] = found.get(group, 0.0) + one.probability
+    causes = [cause for one in named for cause in one.causes]
+    return next((cause for cause in causes if found[_group(cause, equivalent)] >= SURE), None)
+
+
+def _beside(sure: Cause, named: Sequence[Explanation], equivalent: Sequence[Sequence[str]]) -> str:
+    """Sentences on the part of a gap that is sure, and on what may act beside it."""
+    own = _group(sure, equivalent)
+    others = {
+        _group(cause, equivalent): cause
+        for one in reversed(named)
+        for cause in one.causes
+        if own in {_group(each, equivalent) for each in one.causes} and _group(cause, equivalent) != own
+    }
+    words = [_one(cause, equivalent) for cause in [*others.values()][::-1][:2]]
+    if any(len(one.causes) == 1 and _group(one.causes[0], equivalent) == own for one in named):
+        words.append("nothing")
+    first = _one(sure, equivalent)
+    return (
+        f"{first[0].upper()}{first[1:]}, is there for sure, and its numbers hold; beside it there may be "
+        f"{', or '.join(words)}, which this record cannot tell."
+    )
+
+
 def _may_explain(likeliest: Cause, words: str, others: str) -> str:
     if likeliest.effect == "none":
         return f"There may be a gap, though none is likeliest; {words} may explain it, and so may {others}."
@@ -284,6 +314,14 @@ def remaining(left: float, where: Sequence[GapFinding]) -> Remaining:
 def of_remainder(remainder: Remaining | None) -> str:
     """Sentence on the gap that is left, to follow the answer; "" for None."""
     return f" These numbers hold, though {remainder.text}." if remainder else ""
+
+
+def of_imitations(found: Sequence[Imitation]) -> str:
+    """Sentence on causes of no library that would look the same, and on what would tell, to follow the answer; "" for
+    none.
+    """
+    causes = ", or from ".join(f"{one.causes} ({one.measurement} would tell)" for one in found)
+    return f" The record cannot tell this from {causes}." if found else ""
 
 
 def _one(cause: Cause, equivalent: Sequence[Sequence[str]]) -> str:

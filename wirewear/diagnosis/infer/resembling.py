@@ -8,45 +8,78 @@ import numpy as np
 from geometry.arrays import Array, BoolArray
 from wirewear.base.words import counted
 from wirewear.diagnosis.calibration import constants
-from wirewear.diagnosis.infer.distortions import Distortion
-from wirewear.diagnosis.infer.inference import Problem
-from wirewear.diagnosis.infer.weighing import NOTICEABLE
+from wirewear.diagnosis.infer.distortions import SIZES, Distortion, columns_of
+from wirewear.diagnosis.infer.families import Family
+from wirewear.diagnosis.infer.inference import Fit, Problem, jacobian_of, placed
+from wirewear.diagnosis.infer.weighing import NOTICEABLE, SEPARABLE
 from wirewear.diagnosis.observe import AlongBranch
 from wirewear.diagnosis.observe.along_branches import PlateauForce, Stick
 from wirewear.diagnosis.observe.reduction import Part
 from wirewear.diagnosis.observe.scars import ProfileDepths
 from wirewear.effects import Seam
-from wirewear.effects.measurements import CLEANED_SCARS, LOWER_FREQUENCY
+from wirewear.effects.measurements import (
+    CLEANED_SCARS,
+    ENCODER,
+    INTERRUPTED_SCARS,
+    LOWER_FREQUENCY,
+    NORMAL_FORCE,
+    SECOND_HEIGHT,
+)
 
 _KNOWN = constants("infer.resembling")
 
 #: Families less probable than this are not listed; of several, so many are.
 LEAST_LISTED, MOST_LISTED = _KNOWN.number("least_listed"), _KNOWN.count("most_listed")
 
+#: A family looks like effects if it leaves at most this share of the deviations that they make.
+ALIKE = _KNOWN.number("alike")
+
 #: A distortion is there in cycles and places where it has this share of its largest size.
 PRESENT = _KNOWN.number("present")
 
-_ONE_END = f"Debris piled up at one end would do so, too, or more wear there; {CLEANED_SCARS.what} would tell."
+_ONE_END = "debris piled up at one end, or more wear there", CLEANED_SCARS.what
+_AIR = "humidity logged beside the loops"
 
 #: What no effect of the library is and would act as a family, and the measurement that tells, by the family's name.
 MADE_BY = {
+    "distortion of the force channel, odd in Q": (
+        "a load cell that bends or saturates",
+        "weights hung on the load cell, up to its largest force",
+    ),
     "distortion of the force channel, even in Q": _ONE_END,
+    "distortion of the displacement channel, odd in the displacement": (
+        "a displacement sensor that is not linear",
+        "gauge blocks or a second sensor over the whole stroke",
+    ),
+    "gain of the displacement channel that changes over the test": ("a sensor that warms", ENCODER.what),
     "zero of the force channel that changes over the test": _ONE_END,
+    "holder that slips, with hysteresis": ("a clamp that slips a little in every cycle", SECOND_HEIGHT.what),
+    "holder that stiffens or softens under the force, alike in both directions": (
+        "a joint that closes under the force",
+        "the holder pulled without contact, up to the largest force",
+    ),
+    "holder whose compliance changes over the test": (
+        "a joint that creeps or comes loose",
+        "the holder pulled without contact before and after the test",
+    ),
     "force that follows the place, as slopes of a surface make it": _ONE_END,
     "friction that differs along the stroke from one side to the other": _ONE_END,
     "friction that differs along the stroke, alike on both sides of its middle": (
-        f"Surfaces that flash hot where they slide fast would do so; {LOWER_FREQUENCY.what} would tell."
+        "surfaces that flash hot where they slide fast",
+        LOWER_FREQUENCY.what,
     ),
     "friction that passes after each reversal": (
-        "Debris that rolls back would do so, and surfaces that warm as they slide, which "
-        f"{LOWER_FREQUENCY.what} would tell apart."
+        "debris that rolls back, or surfaces that warm as they slide",
+        LOWER_FREQUENCY.what,
     ),
     "friction that changes over the test": (
-        "Air that turns moist and dry would do so, and debris that gathers and leaves at once; humidity logged beside "
-        "the loops would tell."
+        "air that turns moist and dry, debris that gathers and leaves at once, or stick–slip that a logger averages",
+        f"{_AIR}, and a few loops logged fast and without a filter",
     ),
+    "load that changes over the test": ("a lever or guide that sticks", NORMAL_FORCE.what),
     "wear that goes faster and slower over the test": (
-        "Air that turns moist and dry would do so; humidity logged beside the loops would tell."
+        "wear that sets in or turns mild at some depth or pressure, or air that turns moist and dry",
+        f"{INTERRUPTED_SCARS.what}, and {_AIR}",
     ),
     "wear that differs from one side of the scar to the other": _ONE_END,
 }
@@ -62,6 +95,43 @@ class Resemblance:
     cycles: tuple[int, int]  #: First and last logged cycle at which it shows.
     where: str  #: Place in the loop, in words.
     text: str  #: A sentence, with its size, and one on what would do so and which measurement would tell.
+
+
+@dataclass(frozen=True)
+class Imitation:
+    """A family of distortions that a record cannot tell from the effects which explain it.
+
+    seam: place in the chain from drive to sensors. causes: what of no library would act so. measurement: what would
+    tell. deviations: distance from the explanation in standard deviations.
+    """
+
+    seam: str
+    family: str
+    causes: str
+    measurement: str
+    deviations: float
+
+
+def imitations(problem: Problem, one: Fit) -> tuple[Imitation, ...]:
+    """Families whose cause and measurement are known and that make all that the effects of the fit `one` do, within
+    `SEPARABLE` standard deviations, and most of it; nearest first, at most `MOST_LISTED`.
+    """
+    base = placed(problem, (), one.free)
+    made = problem.whitening @ (problem.predicted(one.setup) - problem.predicted(base))
+    # The last column: the order of micro-slip, which is free for every explanation, may differ, too.
+    freedoms = jacobian_of(problem, one)[:, one.coordinates.size :]
+    left: dict[Family, float] = {}
+    # Undone where the effects are at work, or made where they are not: what is linear at either end.
+    for sets in (*columns_of(problem, one.setup), *columns_of(problem, base)):
+        for columns in sets:
+            moved = np.column_stack([SIZES[-1] * (problem.whitening @ columns.observed), freedoms])
+            sizes = np.linalg.solve(moved.T @ moved + np.eye(moved.shape[1]), moved.T @ made)
+            rest = float(np.linalg.norm(made - moved @ sizes))
+            left[columns.family] = min(left.get(columns.family, np.inf), rest)
+    within = min(SEPARABLE, ALIKE * float(np.linalg.norm(made)))
+    near = sorted((rest, family.name) for family, rest in left.items() if rest < within and family.name in MADE_BY)
+    seams = {family.name: str(family.seam) for family in left}
+    return tuple(Imitation(seams[name], name, *MADE_BY[name], round(rest, 2)) for rest, name in near[:MOST_LISTED])
 
 
 def resemblances(problem: Problem, found: Sequence[Distortion], best_log_evidence: float) -> tuple[Resemblance, ...]:
@@ -100,7 +170,9 @@ def _described(problem: Problem, one: Distortion, probability: float) -> Resembl
         if not one.family.column
         else f"The gap behaves like a {one.family.name}{beside}, {_over_the_test(problem, one)}: {amount}{at}."
     )
-    text = f"{text} {MADE_BY.get(one.family.name, '')}".rstrip()
+    if one.family.name in MADE_BY:
+        cause, measurement = MADE_BY[one.family.name]
+        text = f"{text} {cause[0].upper()}{cause[1:]} would do so; {measurement} would tell."
     where = where or part.observable.words
     return Resemblance(str(one.family.seam), one.family.name, round(probability, 3), span, where, text)
 

@@ -16,7 +16,8 @@ from wirewear.diagnosis.calibration import constants
 from wirewear.diagnosis.infer.covariance import Covariance, estimate, with_model_error
 from wirewear.diagnosis.infer.distortions import Distortion, distortions
 from wirewear.diagnosis.infer.inference import ITERATIONS, Fit, Problem, applied, placed, sought, together
-from wirewear.diagnosis.infer.weighing import NOTICEABLE, Remainder, distances, remainder_of
+from wirewear.diagnosis.infer.resembling import Imitation, imitations
+from wirewear.diagnosis.infer.weighing import LEAST_DISPERSION, NOTICEABLE, Remainder, distances, remainder_of
 from wirewear.diagnosis.observe.reduction import Observations
 from wirewear.diagnosis.surrogate.candidates import Candidate, library
 from wirewear.diagnosis.surrogate.inputs import SurrogateInputs
@@ -24,8 +25,8 @@ from wirewear.diagnosis.surrogate.wear_states import WearStates
 
 _KNOWN = constants("infer.search")
 
-#: Log evidence that a second effect must gain. One is always looked for: a first may leave no more than is expected, as
-#: expectations are wide, and a second one still gain forty.
+#: Log evidence that a second effect must gain, per misfit of the first, as evidence is weighed. One is always looked
+#: for: a first may leave no more than is expected, as expectations are wide, and a second one still gain forty.
 PAIR_GAIN = _KNOWN.number("pair_gain")
 
 #: Pairs whose log evidence lies so far below that of the best are left out.
@@ -90,6 +91,10 @@ class Search:
         """Distances (k, k) between k fits in standard deviations, see `distances`."""
         return distances(self.problem, fits)
 
+    def imitated(self, one: Fit) -> tuple[Imitation, ...]:
+        """Causes of no library that the record cannot tell from the effects of a fit, see `imitations`."""
+        return imitations(self.problem, one)
+
 
 def search(states: WearStates, setup: SurrogateInputs, observed: Observations, left_out: Sequence[str] = ()) -> Search:
     """Search for the causes of the differences between a record's observables and its nominal model. setup, states:
@@ -118,21 +123,29 @@ def search(states: WearStates, setup: SurrogateInputs, observed: Observations, l
     if best.candidates:
         alone = problem, covariance, none, singles
         tried = pair_fits(problem, none, singles)
-        alone_at_best = max(one.log_evidence for one in singles)
-        pairs = [one for one in tried if one.log_evidence > alone_at_best + PAIR_GAIN]
+        enough = max(one.log_evidence for one in singles) + gain_needed(problem, best)
+        pairs = [one for one in tried if one.log_evidence > enough]
         pairs = [one for one in pairs if pairs[0].log_evidence - one.log_evidence < _PAIRS_WITHIN]
         if pairs:
             problem, covariance = problem_around(states, setup, pairs[0].setup, observed, pairs[0].candidates, problem)
             none, *singles = _refitted(problem, singles, best)
             single = max((none, *singles), key=lambda one: one.merit)
             pairs = together(problem, [sought(problem, one.candidates, [one.places]) for one in pairs])
-            pairs = [one for one in pairs if one.log_evidence > single.log_evidence + PAIR_GAIN]
+            enough = single.log_evidence + gain_needed(problem, single)
+            pairs = [one for one in pairs if one.log_evidence > enough]
         if not pairs:
             problem, covariance, none, singles = alone
     chosen, beside = leading(none, (*singles, *pairs))
     distorted = distortions(problem, beside)
     left = remainder_of(problem, chosen)
     return Search(problem, covariance, none, tuple(singles), tuple(pairs), left, distorted)
+
+
+def gain_needed(problem: Problem, one: Fit) -> float:
+    """Log evidence that a second effect must gain beside the explanation `one`: in proportion to the misfit that this
+    leaves, down to `LEAST_DISPERSION`.
+    """
+    return PAIR_GAIN * max(one.distance2 / problem.mean.size, LEAST_DISPERSION)
 
 
 def leading(none: Fit, others: Sequence[Fit]) -> tuple[Fit, tuple[Fit, ...]]:
@@ -184,7 +197,8 @@ def pair_fits(problem: Problem, none: Fit, singles: Sequence[Fit]) -> list[Fit]:
     beside = replace(problem, setup=first.setup)
     others = [one for one in singles if one.names != first.names]
     rough = together(beside, [sought(beside, one.candidates, iterations=_SCREENING) for one in others])
-    enough = -0.5 * first.distance2 + 0.5 * PAIR_GAIN
+    needed = gain_needed(problem, first)
+    enough = -0.5 * first.distance2 + 0.5 * needed
     screened = [pair for pair in zip(rough, others, strict=True) if pair[0].log_evidence > enough]
     screened.sort(key=lambda pair: -pair[0].merit)
     alone = all(part.observable.of_scars for part in problem.layout)
@@ -193,7 +207,7 @@ def pair_fits(problem: Problem, none: Fit, singles: Sequence[Fit]) -> list[Fit]:
         chosen = [(one, one) for one in others if np.abs(one.coordinates).max() > _SHOWN]
     else:
         # The first effect, bent to do for both, may hide those that explain much by themselves.
-        likely = [one for one in ordered[: _LIKELY + 1] if one.log_evidence > none.log_evidence + PAIR_GAIN]
+        likely = [one for one in ordered[: _LIKELY + 1] if one.log_evidence > none.log_evidence + needed]
         chosen = [*screened[:_SECONDS], *((one, one) for one in likely[1:])]
     asked = [(first, started, one) for started, one in chosen]
     if not alone:
@@ -253,6 +267,14 @@ class Updated(Search):
             carried = [_carried(problem, one) for one in fits]
             squares += distances(problem, carried, [known[one.names] for one in fits]) ** 2
         return np.sqrt(squares)
+
+    def imitated(self, one: Fit) -> tuple[Imitation, ...]:
+        """Causes of no library that none of the records can tell from the effects of a fit."""
+        found = super().imitated(one)
+        for problem in self.further:
+            also = {own.family for own in imitations(problem, _carried(problem, one))}
+            found = tuple(own for own in found if own.family in also)
+        return found
 
 
 def updated(first: Search, states: WearStates, setup: SurrogateInputs, observed: Observations) -> Search:

@@ -40,6 +40,9 @@ PRIOR_PAIR = _KNOWN.number("prior_pair")
 #: Log evidences are divided by this: the covariance is not known well enough to believe in every unit of chi-square.
 TEMPERATURE = _KNOWN.number("temperature")
 
+#: Evidence counts for more where less is left than is expected, down to this share of it.
+LEAST_DISPERSION = _KNOWN.number("least_dispersion")
+
 #: Log evidence that an explanation must gain to be noticed, and that a distortion must lead the library by: on tests
 #: unlike those that solver differences were learned on, known effects and records without a gap are led by so much.
 NOTICEABLE = _KNOWN.number("noticeable")
