@@ -19,6 +19,7 @@ from wirewear.diagnosis.infer.covariance import estimate
 from wirewear.diagnosis.infer.inference import Fit, Problem, fit
 from wirewear.diagnosis.infer.resembling import imitations
 from wirewear.diagnosis.infer.search import PAIR_GAIN, gain_needed, pair_fits
+from wirewear.diagnosis.infer.shrink import Shrink
 from wirewear.diagnosis.infer.weighing import Weighed, classes_of
 from wirewear.diagnosis.observe import Site
 from wirewear.diagnosis.observe.channels import own_noise
@@ -117,7 +118,8 @@ def test_what_all_likely_explanations_share_is_sure_and_what_acts_beside_it_is_o
         play = Cause("free_play", probability, {"gap_um": Estimate(1.1, (0.9, 1.3))}, joint=True)
         return [play, Cause(effect, probability, {"coefficient": Estimate(0.1, (0.08, 0.12))}, joint=True)]
 
-    said = partial(sentence_of, "ambiguous", equivalent=(), shrink=None, where=())
+    checked = Shrink(2.0, 1.0, 1.0, 1.0, (1.0, 1.0), 1.0, (), None, 0.0)
+    said = partial(sentence_of, "ambiguous", equivalent=(), shrink=checked, where=())
     alone = Cause("free_play", 0.2, {"gap_um": Estimate(1.12, (0.9, 1.3))})
     shared = said([*pair("misalignment", 0.25), alone, *pair("force_crosstalk", 0.1)])
     assert shared.startswith("Free play, gap 1.1 µm (0.9 to 1.3), is there for sure, and its numbers hold")
