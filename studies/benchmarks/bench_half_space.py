@@ -1,4 +1,5 @@
 """The normal problem of two crossed wires: wirewear beside tamaas's half-space and Hertz's closed form.
+Last of wires that yield at 1 400 MPa, their pressures limited as in wirewear.
 
 Usage: python -m studies.benchmarks.bench_half_space [--contact-mesh-um 5] [--points 512]
 
@@ -33,7 +34,7 @@ LATTICE = 3.900265
 
 @dataclass(frozen=True)
 class Normal:
-    """Peak pressure in MPa, contact area in mm², approach in mm, pressures (n,) at distances (n,) from the middle."""
+    """Peak pressure in MPa, contact area in mm², approach and print of both bodies in mm, pressures at distances."""
 
     name: str
     peak_pressure_MPa: float
@@ -42,6 +43,7 @@ class Normal:
     distance_mm: Array
     pressure_MPa: Array
     seconds: float
+    print_mm: float = 0.0
 
 
 def hertz() -> reference.PointContact:
@@ -49,45 +51,44 @@ def hertz() -> reference.PointContact:
     return reference.hertz_point(LOAD_N, RADIUS_mm, reference.contact_modulus(steel, steel))
 
 
-def by_wirewear(contact_mesh_um: float) -> Normal:
-    """Wirewear's solution on gripped wires; condensation not timed."""
-    of = study(contact_mesh_um)
+def by_wirewear(contact_mesh_um: float, wires: str = "") -> Normal:
+    """Wirewear's solution on gripped wires with such keys; condensation not timed."""
+    of = study(contact_mesh_um, wires=wires)
     problem = contact_problem(of, discretised(of), lambda _stage: None)
     start = time.process_time()
     state, report = press(problem, unloaded_state(problem))
     seconds = time.process_time() - start
     distance = np.hypot(*problem.primary.node_positions.T)
-    pressure = state.traction[:, 2]
-    return Normal("wirewear", report.max_pressure, report.contact_area, -state.holder_z, distance, pressure, seconds)
+    pressure, approach = state.traction[:, 2], -state.holder_z
+    prints = sum(float(own.max()) for own in state.wear.prints if own is not None)
+    return Normal("wirewear", report.max_pressure, report.contact_area, approach, distance, pressure, seconds, prints)
 
 
-def by_tamaas(points: int) -> Normal:
-    """Tamaas's solution on a periodic half-space."""
+def by_tamaas(points: int, limit_MPa: float = 0.0) -> Normal:
+    """Tamaas's solution on a periodic half-space; limit_MPa: of the pressure, 0: none."""
     import tamaas
 
-    exact = hertz()
-    length = DOMAIN_RADII * exact.contact_radius_mm
-    modulus = exact.mean_pressure_MPa * 3.0 * np.pi * RADIUS_mm / (4.0 * exact.contact_radius_mm)
-    model = tamaas.ModelFactory.createModel(tamaas.model_type.basic_2d, [length, length], [points, points])
-    model.E, model.nu = modulus, 0.0
+    exact, steel = hertz(), reference.Elastic(210_000.0, 0.3)
+    length, modulus = DOMAIN_RADII * exact.contact_radius_mm, reference.contact_modulus(steel, steel)
+    # Kato's steps are the gap as a pressure, which fits where the longest wave's compliance is one.
+    unit = np.pi / length
+    model = tamaas.ModelFactory.createModel(tamaas.model_type.basic_2d, [np.pi, np.pi], [points, points])
+    model.E, model.nu = 1.0, 0.0
     x = (np.arange(points) - points // 2) * length / points
     squared = x[:, None] ** 2 + x[None, :] ** 2
-    solver = tamaas.PolonskyKeerRey(model, -squared / (2.0 * RADIUS_mm), 1e-10)
+    surface = -unit * squared / (2.0 * RADIUS_mm)
+    solver = tamaas.PolonskyKeerRey(model, surface, 1e-10)
+    if limit_MPa:
+        solver = tamaas.KatoSaturated(model, surface, 1e-8, limit_MPa / modulus)
     start = time.process_time()
-    solver.solve(LOAD_N / length**2)
+    solver.solve(LOAD_N / length**2 / modulus)
     seconds = time.process_time() - start
-    pressure = np.asarray(model.traction)
-    middle = points // 2
-    displacement = float(np.asarray(model.displacement)[middle, middle])
-    return Normal(
-        "tamaas",
-        float(pressure.max()),
-        float((pressure > 0.0).sum()) * (length / points) ** 2,
-        displacement - float(np.asarray(model.displacement).mean()) + periodic_correction(length, modulus),
-        np.sqrt(squared).ravel(),
-        pressure.ravel(),
-        seconds,
-    )
+    left = np.asarray(model["KatoSaturated::residual_displacement"]) / unit if limit_MPa else 0.0 * squared
+    model.solveNeumann()
+    pressure, moved = modulus * np.asarray(model.traction), np.asarray(model.displacement) / unit
+    approach = float((moved + left)[points // 2, points // 2] - moved.mean()) + periodic_correction(length, modulus)
+    most, area = float(pressure.max()), float((pressure > 0.0).sum()) * (length / points) ** 2
+    return Normal("tamaas", most, area, approach, np.sqrt(squared), pressure, seconds, float(left.max()))
 
 
 def periodic_correction(length_mm: float, modulus_MPa: float) -> float:
@@ -117,7 +118,7 @@ def table(solutions: list[Normal], exact: reference.PointContact) -> list[str]:
         rows.append(
             f"{one.name:10}{one.peak_pressure_MPa:10.1f}{100 * errors[0]:7.2f}%{1e6 * one.area_mm2:12.1f}"
             f"{100 * errors[1]:7.2f}%{1e3 * one.approach_mm:14.4f}{100 * errors[2]:7.2f}%{100 * profile:8.2f}%"
-            f"{one.seconds:9.3f}"
+            f"{one.seconds:9.3f}{1e3 * one.print_mm:11.4f}"
         )
     return rows
 
@@ -136,7 +137,9 @@ def main(contact_mesh_um: float, points: int) -> None:
     if find_spec("tamaas") is None:
         click.echo(ABSENT)
         return
+    yielding = by_wirewear(contact_mesh_um, "yield_stress_MPa = 1400.0")
     solutions = [by_wirewear(contact_mesh_um), by_tamaas(points)]
+    solutions += [yielding, by_tamaas(points // 2, yielding.peak_pressure_MPa)]
     click.echo("\n".join(table(solutions, hertz())))
 
 

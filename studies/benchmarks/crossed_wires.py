@@ -18,8 +18,9 @@ def study(
     amplitude_um: float = AMPLITUDE_um,
     wear_mm3_per_J: float = 0.0,
     cycles: int = 1,
+    wires: str = "",
 ) -> Study:
-    """Two steel wires of 0.45 mm at right angles, friction 0.62; rig: stiffness in N/mm, or rigid.
+    """Two steel wires of 0.45 mm at right angles, friction 0.62; rig: stiffness in N/mm, or rigid; wires: keys.
 
     The whole patch, which holds the scar that the cycles leave, has elements of the given size.
     """
@@ -33,6 +34,7 @@ kind = "crossed-wires"
 diameter_mm = 0.45
 youngs_modulus_MPa = 210000.0
 poissons_ratio = 0.3
+{wires}
 [conditions]
 normal_load_N = {normal_load_N}
 displacement_amplitude_um = {amplitude_um}
