@@ -5,6 +5,7 @@ from functools import cache
 
 import numpy as np
 import pytest
+from scipy.optimize import brentq
 
 from geometry.arrays import Array
 from tests.diagnosis.diagnosis_cases import diagnosed, nominal, record, states, with_effect
@@ -12,6 +13,7 @@ from tests.exam.independent_records import independent_record
 from wirewear.diagnosis.surrogate.forward import PredictedLoops, simulate
 from wirewear.diagnosis.surrogate.inputs import SurrogateInputs
 from wirewear.diagnosis.surrogate.layered_wires import FlattenedWires, LayeredWires
+from wirewear.reference import kept_approach
 
 CYCLES = np.array([1.0, 100.0, 1000.0, 3000.0, 10_000.0, 30_000.0, 100_000.0])
 FIVE = {"layer_um": 5.0, "cycles": 10_000.0}
@@ -91,8 +93,8 @@ def course_of_flattening(flattening_um: float) -> PredictedLoops:
 def test_flats_have_the_volumes_of_closed_forms_and_no_hooks_at_first_but_steep_ends_later() -> None:
     deepest, stroke = wires_of_flattening().flattenings[-1], 60.0 / 52.0
     cap, groove = 0.5 * np.pi * deepest**2, 4.0 / 3.0 * stroke * deepest * np.sqrt(2.0 * deepest)
-    assert wires_of_flattening().table.volume[-1] == pytest.approx([groove + cap, cap], rel=0.03)
-    slope = wires_of_flattening().at(np.full(3, 0.17), np.array([0.0, 0.3, 20.0])).slope
+    assert wires_of_flattening().table.volume[-1, 0] == pytest.approx([groove + cap, cap], rel=0.03)
+    slope = wires_of_flattening().at(np.full(3, 0.17), similarity=np.array([0.0, 0.3, 20.0])).slope
     inner = wires_of_flattening().positions < 0.6
     assert np.all(np.abs(slope[0]) < 0.02)
     assert slope[1, -1] > 0.05
@@ -109,14 +111,47 @@ def test_the_moving_scar_is_deeper_the_fixed_one_shallower_and_the_flats_count_i
     assert gained == pytest.approx(np.pi * 225.0 * 4.0 + 80.0 * 2.0 * 30.0, rel=0.1)
 
 
+def test_bodies_that_yield_as_stated_have_no_effect_and_harder_ones_lack_the_print() -> None:
+    at = np.array([100.0])
+    stated = replace(nominal(), print_um=1.0)
+    plain, elastic = (simulate(states(), setup, at).scars for setup in (stated, nominal()))
+    softer, same, harder, soft = (
+        simulate(states(), with_effect(setup, "plasticity", {"yield_stress_MPa": stress}), at).scars
+        for setup, stress in ((stated, 200.0), (stated, yield_MPa(1.0)), (stated, 1e5), (nominal(), yield_MPa(1.0)))
+    )
+    assert same == pytest.approx(plain, rel=1e-9)
+    assert np.all(softer[:, 0] > plain[:, 0])
+    assert (plain - harder)[:, :2] == pytest.approx((soft - elastic)[:, :2], rel=0.02)
+
+
+def test_sliding_prints_one_body_deeper_than_the_other_and_both_deeper_than_pressing() -> None:
+    """Wires of 450 MPa in a full run: 0.59 and 1.38 µm on the moving and the fixed one, 0.98 µm together if pressed."""
+    wires = replace(states(), slip_um=np.full(13, 52.07), stroke_um=60.0).flattened(slid=True)
+    unit = 52.07**2 / 225.0
+    moving, fixed = unit * wires.at(np.array([0.98 / unit]), similarity=np.zeros(1)).depth[0]
+    assert moving == pytest.approx(0.59, rel=0.1)
+    assert fixed == pytest.approx(1.38, rel=0.1)
+
+
+def yield_MPa(flattening_um: float) -> float:
+    """The yield stress of bodies that keep this approach."""
+    mean_um, radius_mm = (states().fresh_area_um2 / np.pi) ** 0.5, 1e-3 * states().radius_um
+
+    def missed(stress: float) -> float:
+        return 1e3 * kept_approach(2.0, 1e-3 * mean_um, radius_mm, stress) - flattening_um
+
+    return float(brentq(missed, 20.0, 2500.0, xtol=1e-10))
+
+
 @pytest.mark.slow
-def test_a_flattening_is_distinguished_from_wear_that_changes() -> None:
-    one = diagnosed(record({"plasticity": {"flattening_um": 2.0}}))
+def test_a_yield_stress_is_distinguished_from_wear_that_changes() -> None:
+    soft = yield_MPa(2.0)
+    one = diagnosed(record({"plasticity": {"yield_stress_MPa": soft}}))
     probabilities = one.weighed.probabilities
     assert max(probabilities, key=lambda names: probabilities[names]) == ("plasticity",)
     (cause,) = (cause for cause in one.diagnosis.causes if cause.effect == "plasticity")
-    low, high = cause.parameters["flattening_um"].interval95
-    assert low < 2.0 < high
+    low, high = cause.parameters["yield_stress_MPa"].interval95
+    assert low < soft < high
 
 
 LEANING = {"angle_deg": 2.5}

@@ -26,6 +26,7 @@ from wirewear.records.importing import import_record
 from wirewear.records.importing.guessed_scars import Touching
 from wirewear.records.importing.guessing import guessed_mapping
 from wirewear.records.importing.loggers import readers
+from wirewear.reference import kept_approach
 from wirewear.sweeps.signature import signature_study
 
 LOGGED = (1, 10, 100, 300, 1000, 3000)
@@ -193,6 +194,7 @@ def test_files_that_a_package_knows_are_guessed_without_their_kind_stated(mappin
 
 
 CYCLES = np.array([1.0, 100.0, 3000.0, 1e5])
+FRESH_mm = 1e-3 * (640.0 / np.pi) ** 0.5  #: Radius of the fresh contact of `chain`.
 everyone = pytest.mark.parametrize("kind", all_effects().values(), ids=list(all_effects()))
 
 
@@ -200,8 +202,8 @@ def chain() -> Chain:
     """Four moments of a test in which nothing but wear changes."""
     nothing = np.zeros(4)
     names = (
-        "misalignment_rad retained_fraction bed_MPa oxygen_W free_play_um mass_kg flattening_um rough_um bed_um "
-        "crossing_error_rad linear_um_per_N quadratic_um_per_N2 crosstalk force_zero_N lag_s force_lag_s"
+        "misalignment_rad retained_fraction bed_MPa oxygen_W free_play_um mass_kg flattening_um print_um rough_um "
+        "bed_um crossing_error_rad linear_um_per_N quadratic_um_per_N2 crosstalk force_zero_N lag_s force_lag_s"
     )
     still: dict[str, Any] = dict.fromkeys(names.split(), nothing)
     return Chain(
@@ -257,6 +259,7 @@ def test_an_effect_follows_over_a_test_what_it_says_it_does(kind: type[Effect[An
             Course(0.4, 0.7, 3000.0).at(CYCLES),
         ),
         ("plasticity", {"flattening_um": 1.5}, "flattening_um", 1.5),
+        ("plasticity", {"yield_stress_MPa": 450.0}, "print_um", 1e3 * kept_approach(2.0, FRESH_mm, 0.225, 450.0)),
         ("crossing_angle_error", {"angle_deg": 4.0}, "crossing_error_rad", np.radians(4.0)),
         ("misalignment", {"angle_deg": -2.0}, "misalignment_rad", -np.radians(2.0)),
         ("normal_load_drift", {"fraction_per_100k_cycles": 0.3}, "load_N", 2.0 * (1.0 + 3e-6 * CYCLES)),

@@ -8,7 +8,7 @@ import pytest
 
 from solvers.stress.pressing import largest_MPa
 from tests.studies import line_study
-from wirewear.reference import first_yield_ratio
+from wirewear.reference import first_yield_ratio, kept_approach
 from wirewear.results import RunResult, read_result, write_result
 from wirewear.results.health import limit_of
 from wirewear.simulation import simulate
@@ -78,6 +78,29 @@ def test_the_softer_body_takes_the_print_and_one_key_keeps_bodies_elastic() -> N
     ]
     assert [None if limit is None else limit.upper_share for limit in limits] == [0.5, 0.0, 1.0, None, None]
     assert {limit.yield_stress_MPa for limit in limits if limit is not None} == {900.0}
+
+
+def test_an_effect_of_another_yield_stress_is_that_of_the_body_which_yields_first() -> None:
+    changed = [{"name": "plasticity", "yield_stress_MPa": 900.0}]
+    alike, softer = ({"yield_stress_MPa": stress} for stress in (1800.0, 1500.0))
+    for stated, meant in (({}, {}), (alike, {}), (alike | {"moving": softer}, {"moving": True})):
+        own = {"moving": {"yield_stress_MPa": 900.0}} if meant else {"yield_stress_MPa": 900.0}
+        assert limit_of_points(wires(wires=stated, effects=changed)) == limit_of_points(wires(wires=own))
+    imposed = wires(wires=alike, effects=[{"name": "plasticity", "flattening_um": 1.0}])
+    assert limit_of_points(imposed) == limit_of_points(wires(wires=alike))
+
+
+@pytest.mark.parametrize(
+    ("load_N", "contact_um", "radius_mm", "yield_MPa", "print_um"),
+    [
+        (2.0, 14.33, 0.225, 1400.0, 0.232), (50.0, 55.5, 0.5, 1600.0, 2.69), (300.0, 217.0, 1.75, 170.0, 52.0),
+        (100.0, 128.0, 3.175, 800.0, 1.56), (500.0, 218.0, 3.175, 800.0, 9.9), (2.0, 14.33, 0.225, 3000.0, 0.0),
+    ],
+)  # fmt: skip
+def test_approach_that_bodies_keep_is_that_of_runs_in_closed_form(
+    load_N: float, contact_um: float, radius_mm: float, yield_MPa: float, print_um: float
+) -> None:
+    assert 1e3 * kept_approach(load_N, 1e-3 * contact_um, radius_mm, yield_MPa) == pytest.approx(print_um, rel=0.1)
 
 
 @pytest.fixture(scope="module")

@@ -22,7 +22,7 @@ from solvers import Holder, WearRates
 from wirewear.base.errors import StudyError, renamed
 from wirewear.base.words import shown
 from wirewear.effects.measurements import Answer, Measurement
-from wirewear.effects.parameter import Parameter, Stated, plain
+from wirewear.effects.parameter import Parameter, Stated
 from wirewear.effects.seams import Age, Ageing, ContactLaw, Control, Loading, Seam, Specimens
 from wirewear.loops.sensor import Sensor
 
@@ -60,6 +60,7 @@ class Chain:
     free_play_um: Array  #: Free play in series with it.
     mass_kg: Array  #: Mass that moves with the holder.
     flattening_um: Array  #: Approach of the wires by flattening before any wear.
+    print_um: Array  #: Approach that pressing keeps where bodies yield; sliding prints on.
     rough_um: Array  #: Height of a layer of asperities that spreads the contact's pressures.
     bed_um: Array  #: Height of a layer of asperities that closes like a bed of debris.
     crossing_error_rad: Array  #: Deviation of the angle between the wires' axes from 90°.
@@ -384,11 +385,12 @@ class Effect(ABC, Generic[T]):
 
         stated: numbers of a study by key, such as "contact.friction", of which some values are multiples.
         """
-        return cls(**{name: getattr(item.beside(stated), size) for name, item in cls.parameters().items()})
+        every = cls.parameters().items()
+        return cls(**{name: getattr(item.beside(stated), size) for name, item in every if not item.instead})
 
     def table(self) -> dict[str, object]:
         """The `[[effects]]` table of a study that gives this effect: its name and the values of its fields."""
-        numbers = {name: plain(value) for name, value in self.values.items()}
+        numbers = {name: known.plain(getattr(self, name)) for name, known in self.parameters().items()}
         words = {name: getattr(self, name) for name, known in self.choices().items() if getattr(self, name) != known[0]}
         return {"name": self.name, **numbers, **words}
 

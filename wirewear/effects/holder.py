@@ -3,7 +3,7 @@ holds.
 """
 
 from dataclasses import dataclass, replace
-from math import pi, radians
+from math import inf, pi, radians, sqrt
 
 from solvers import Holder
 from wirewear.base import kinds
@@ -12,6 +12,7 @@ from wirewear.effects import measurements
 from wirewear.effects.effect import Chain, Effect
 from wirewear.effects.parameter import RIGID, parameter
 from wirewear.effects.seams import Age, Ageing, Control, Loading, Seam, Specimens
+from wirewear.reference import kept_approach
 
 
 @dataclass(frozen=True)
@@ -292,12 +293,12 @@ class CrossingAngleError(Effect[Specimens]):
 
 @dataclass(frozen=True)
 class Plasticity(Effect[Specimens]):
-    """Wires flattened plastically before any wear.
+    """Bodies that yield at another stress than the stated one.
 
-    Hertz's peak pressure of the steel wires is 4.7 GPa, more than their contact bears elastically (first yield at 1.6
-    σ_y): within the first strokes they flatten until the load spreads. Both wires recede by half the overlap that their
-    unworn shapes have at an approach of `flattening_um`, on the moving wire all along the stroke; displaced metal is
-    neglected. Source: Johnson, Contact Mechanics (1985), ch. 6.
+    Where they would have to bear more than their metal does, bodies keep a print of the first strokes. A simulation
+    limits the pressure, as of bodies that state a yield stress; the fast model that of a foundation. `flattening_um` is
+    the former parameter, which a diagnosis still tries: an approach at whose overlap both recede by half, as wear.
+    Source: Johnson, Contact Mechanics (1985), ch. 6.
     """
 
     name = "plasticity"
@@ -306,23 +307,44 @@ class Plasticity(Effect[Specimens]):
     ages = Ageing.NEVER
     needs_load = True
     signature = "a larger contact before any wear; a depth that wear coefficient times energy does not explain"
-    remedy = "press specimens together without motion and map the imprint"
+    remedy = "press specimens together without motion and map the imprint: a print needs no energy, and has a rim"
     confused_with = ("wear_rate_offset", "wear_rate_evolution")
-    answers = (measurements.INTERRUPTED_SCARS.shows("scars before any wear"),)
+    answers = (measurements.INTERRUPTED_SCARS.shows("scars before any wear, with a rim"),)
     model_error = 0.2
 
+    yield_stress_MPa: float = parameter(
+        "yield stress of the body that yields first",
+        Quantity("MPa", 1.0, 1e5, words=("stated",)),
+        neutral=inf,
+        easy=250.0,
+        hard=900.0,
+        interest=(120.0, 1700.0),
+        logarithmic=True,
+        default=inf,
+    )
     flattening_um: float = parameter(
-        "approach of the wires by plastic flattening",
+        "approach of the bodies that is imposed as wear",
         Quantity("um", 0.0, 20.0),
         neutral=0.0,
         easy=2.0,
         hard=0.5,
         interest=(0.1, 4.0),
         logarithmic=True,
+        default=0.0,
+        instead=True,
     )
 
     def changed(self, described: Specimens, _age: Age) -> Specimens:
-        return replace(described, flattening_mm=described.flattening_mm + 1e-3 * self.flattening_um)
+        stress = described.yield_stress_MPa if self.yield_stress_MPa == inf else self.yield_stress_MPa
+        flattening = described.flattening_mm + 1e-3 * self.flattening_um
+        return replace(described, yield_stress_MPa=stress, flattening_mm=flattening)
+
+    def predicted(self, chain: Chain) -> Chain:
+        kept = chain.print_um
+        if self.yield_stress_MPa != inf:
+            contact = 1e-3 * sqrt(chain.fresh_area_um2 / pi), 1e-3 * chain.radius_um
+            kept = 1e3 * kept_approach(float(chain.load_N[0]), *contact, self.yield_stress_MPa) + 0.0 * kept
+        return replace(chain, flattening_um=chain.flattening_um + self.flattening_um, print_um=kept)
 
 
 @dataclass(frozen=True)

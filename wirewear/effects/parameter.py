@@ -51,6 +51,7 @@ class Parameter:
     #: record of wires; a diagnosis then leaves this parameter in the middle of its range.
     held_by: tuple[str, float] | None = None
     default: float | None = None  #: Value where a study does not state it; None: it must.
+    instead: bool = False  #: Whether a diagnosis infers it in place of the others; it has a default, as they have.
 
     def beside(self, stated: Stated) -> "Parameter":
         """The parameter with its sizes and neutral value in its own unit, in a study that states the numbers `stated`
@@ -115,14 +116,18 @@ class Parameter:
         return (math.log(low), math.log(high)) if self.logarithmic else (low, high)
 
     def checked(self, value: object) -> float:
-        """The value of a file as a number; an infinite stiffness may be written as "rigid".
+        """The value of a file as a number; an infinite one may be written as the quantity's word, such as "rigid".
 
         Raises ValueError if it is out of range or not a number; the message continues a sentence that begins with the
         name.
         """
-        if RIGID in self.quantity.words and value in (RIGID, math.inf):
+        if self.quantity.words and value in (*self.quantity.words, math.inf):
             return math.inf
         return float(self.quantity(value))
+
+    def plain(self, value: float) -> float | str:
+        """A value as files hold it: the quantity's word, such as "rigid", if infinite."""
+        return self.quantity.words[0] if math.isinf(value) else value
 
 
 def parameter(
@@ -137,9 +142,11 @@ def parameter(
     share_of: str = "",
     held_by: tuple[str, float] | None = None,
     default: float | None = None,
+    instead: bool = False,
 ) -> float:
     """A dataclass field of an effect that is a parameter; its arguments, also None, are the fields of `Parameter`."""
-    described = Parameter(meaning, quantity, neutral, easy, hard, interest, logarithmic, share_of, held_by, default)
+    sizes = neutral, easy, hard, interest, logarithmic
+    described = Parameter(meaning, quantity, *sizes, share_of, held_by, default, instead)
     metadata = {"parameter": described}
     made: float = field(metadata=metadata) if default is None else field(default=default, metadata=metadata)
     return made
@@ -216,8 +223,3 @@ def part(meaning: str, low: float, high: float) -> Parameter:
     for 95 % of the laws that a test may follow. meaning: the part, such as "of its give".
     """
     return Parameter(f"share {meaning}", _PART, neutral=1.0, easy=1.0, hard=1.0, interest=(low, high))
-
-
-def plain(value: float) -> float | str:
-    """A parameter's value as files hold it: "rigid" if infinite."""
-    return RIGID if math.isinf(value) else value

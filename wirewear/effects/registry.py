@@ -14,7 +14,7 @@ from wirewear.base.words import shown
 from wirewear.effects import contact, holder, measurements, sensors, wear
 from wirewear.effects.effect import AnyEffect, Effect
 from wirewear.effects.measurements import Measurement
-from wirewear.effects.parameter import RIGID, Parameter, plain
+from wirewear.effects.parameter import Parameter
 
 _EXAMPLE = 'such as [[effects]] with name = "tangential_compliance" and stiffness_N_per_mm = 150'
 
@@ -157,7 +157,7 @@ def _parameter_json(name: str, item: Parameter) -> dict[str, object]:
         "meaning": item.meaning,
         "unit": item.quantity.unit,
         "range": [item.quantity.low, item.quantity.high],
-        "neutral": None if item.neutral is None else plain(item.neutral),
+        "neutral": None if item.neutral is None else item.plain(item.neutral),
         "easy": item.easy,
         "hard": item.hard,
         "interest": list(item.interest),
@@ -183,7 +183,7 @@ def effects_table() -> Table:
 def _neutral(item: Parameter) -> str:
     if item.neutral is None:
         return "any"
-    return RIGID if isinf(item.neutral) else f"{item.neutral:g}"
+    return item.quantity.words[0] if isinf(item.neutral) else f"{item.neutral:g}"
 
 
 def _multiple(item: Parameter) -> str:

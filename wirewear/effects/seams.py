@@ -5,6 +5,7 @@ from __future__ import annotations
 from collections.abc import Iterable, Sequence
 from dataclasses import dataclass, replace
 from enum import StrEnum
+from math import inf
 from typing import TYPE_CHECKING, Any, Protocol, TypeVar
 
 from solvers import ContactLayer, DebrisFlow
@@ -64,12 +65,13 @@ class ContactLaw:
 
 @dataclass(frozen=True)
 class Specimens:
-    """The bodies as mounted: the angle between the wires' axes, and the approach in mm by which both were flattened
-    together before any wear.
+    """The bodies as mounted: the angle between the wires' axes, the approach in mm by which both were flattened
+    together before any wear, and the yield stress of the body that yields first, infinite for elastic bodies.
     """
 
     crossing_angle_deg: float
     flattening_mm: float = 0.0
+    yield_stress_MPa: float = inf
 
 
 @dataclass(frozen=True)

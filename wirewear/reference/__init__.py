@@ -6,7 +6,7 @@ from wirewear.reference.cattaneo_mindlin import *
 from wirewear.reference.conforming import *
 from wirewear.reference.half_space import *
 from wirewear.reference.hertz import *
-from wirewear.reference.hertz import first_yield_ratio
+from wirewear.reference.hertz import first_yield_ratio, kept_approach
 from wirewear.reference.wear import *
 
 #: What this package offers of what its modules define.
@@ -17,7 +17,8 @@ __all__ = [
     "elliptic_stiffness", "energy_per_cycle", "even_line_contact", "even_line_load", "even_line_scar",
     "explicit_stability_limit", "first_loading_force", "first_yield_ratio", "force_amplitude", "gap_curvatures",
     "half_plane_line_stiffness", "hertz_bodies", "hertz_crossed_cylinders", "hertz_elliptic", "hertz_line",
-    "hertz_point", "hertz_stress", "line_contact_scar", "line_energy_per_cycle", "line_loading_traction",
+    "hertz_point", "hertz_stress", "kept_approach", "line_contact_scar", "line_energy_per_cycle",
+    "line_loading_traction",
     "line_partial_slip_stress", "line_stick_ratio", "line_stick_ratio_after_reversal", "line_stick_shift",
     "line_stress", "line_traction_after_reversal", "loading_displacement", "loading_force", "loading_traction",
     "mindlin_stiffness", "partial_slip_point", "partial_slip_stress", "pin_in_bore", "pin_scar",

@@ -350,7 +350,7 @@ def varied(study: Of, values: Mapping[str, float]) -> Of:
             raise StudyError(f"the effect {name!r} has no parameter {unknown!r}: it has {', '.join(known)}.")
         old = before.pop(name, None)
         given = {**(old.values if old is not None else {}), **parameters}
-        lacking = [key for key in known if key not in given]
+        lacking = [key for key, item in known.items() if key not in given and item.default is None]
         if lacking:
             raise StudyError(
                 f"the effect {name!r} lacks {', '.join(lacking)}: state the effect in the study, or vary every one."

@@ -5,6 +5,7 @@ The driven body lies below, the held one above.
 
 from abc import ABC, abstractmethod
 from collections.abc import Mapping
+from math import inf
 from typing import Any, Literal
 
 from pydantic import Field
@@ -148,7 +149,8 @@ def _of_wires(tables: ContactTables) -> Inconsistency | None:
     mounted = applied(tables.effects, Seam.SPECIMENS, Specimens(90.0), Age.new())
     if mounted.crossing_angle_deg != 90.0:
         return Inconsistency(("effects",), "hold crossing_angle_error, which is of crossed wires")
-    if mounted.flattening_mm and any(body.face is not None for body in tables.bodies_of_test()):
+    flat = mounted.flattening_mm > 0.0 or mounted.yield_stress_MPa < inf
+    if flat and any(body.face is not None for body in tables.bodies_of_test()):
         return Inconsistency(("effects",), "hold plasticity, which flattens round bodies and no pads")
     return None
 

@@ -7,6 +7,7 @@ The driven body lies below, the held one above. A variant is a set of values tha
 from abc import ABC, abstractmethod
 from collections.abc import Mapping
 from dataclasses import replace
+from math import inf
 from typing import Annotated, Any, ClassVar, Literal
 
 from pydantic import Field, PlainValidator, model_validator
@@ -15,6 +16,7 @@ from geometry import Elastic
 from solvers import Coating, Drive, FrictionLaw, Holder, WearLaw, WearRates
 from wirewear.base import kinds
 from wirewear.base.words import shown
+from wirewear.effects import Age, Seam, Specimens, applied
 from wirewear.test import keys
 from wirewear.test.bodies import Body, Wire, yield_of
 from wirewear.test.conditions import (
@@ -186,7 +188,12 @@ class ContactTables(CommonTables):
 
     @property
     def yields(self) -> dict[str, tuple[float, float] | None]:
-        return {body.name: yield_of(body) for body in self.bodies_of_test()}
+        stated = {body.name: yield_of(body) or (inf, 0.0) for body in self.bodies_of_test()}
+        first = min(stress for stress, _ in stated.values())
+        mounted = applied(self.effects, Seam.SPECIMENS, Specimens(90.0, yield_stress_MPa=first), Age.new())
+        # An effect of another yield stress is that of the bodies which are stated to yield first.
+        own = {name: (mounted.yield_stress_MPa if at <= first else at, rise) for name, (at, rise) in stated.items()}
+        return {name: None if at == inf else (at, rise) for name, (at, rise) in own.items()}
 
     @property
     def drive(self) -> Drive:

@@ -8,7 +8,6 @@ from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 from matplotlib.lines import Line2D
 
-from wirewear.effects.parameter import plain
 from wirewear.pictures.panels import draw_loop, name_axes
 from wirewear.pictures.smooth import smooth_loop, smooth_scar
 from wirewear.pictures.style import (
@@ -64,17 +63,13 @@ def signature_figure(signature: Signature) -> Figure:
     _sections(panels[4], scars)
     _outlines(panels[5], scars)
     panel_letters(panels)
-    values = ", ".join(f"{name} = {_shown(value)}" for name, value in signature.effect.values.items())
-    figure.suptitle(f"{signature.effect.name}: {values}", x=0.01, ha="left", fontsize=9.5, fontweight="bold")
+    named, *stated = signature.effect.table().items()
+    values = ", ".join(f"{name} = {value if isinstance(value, str) else f'{value:g}'}" for name, value in stated)
+    figure.suptitle(f"{named[1]}: {values}", x=0.01, ha="left", fontsize=9.5, fontweight="bold")
     handles = [Line2D([], [], label="nominal", **NOMINAL), Line2D([], [], label="with the effect", **CHANGED)]
     figure.legend(handles=handles, loc="outside lower right", ncols=2)
     figure.supxlabel(fill(signature.effect.signature, 66), x=0.01, ha="left", fontsize=8, color=INK)
     return figure
-
-
-def _shown(value: float) -> str:
-    written = plain(value)
-    return written if isinstance(written, str) else f"{written:g}"
 
 
 def _difference(axes: Axes, signature: Signature) -> None:

@@ -17,6 +17,7 @@ import numpy as np
 from geometry.arrays import Array
 from wirewear.base import kinds
 from wirewear.base.errors import StudyError
+from wirewear.base.units import words_of
 from wirewear.diagnosis.calibration import constants
 from wirewear.diagnosis.surrogate.forward import simulate
 from wirewear.diagnosis.surrogate.inputs import SurrogateInputs
@@ -52,17 +53,19 @@ class Candidate:
         chosen: Mapping[str, str] | None = None,
         scales: Mapping[str, float] | None = None,
         contact: str = kinds.CROSSED_WIRES,
+        instead: bool = False,
     ) -> Candidate:
         """The effect of this class as a candidate for a test, its parameters and forms as they are expected there.
 
         stated: values of the test, from which parameters may be scaled. chosen: words by their names; defaults if None.
-        scales: by the unit of a parameter, as "N_per_mm", a factor on the sizes that are expected of it; 1 if missing.
-        contact: kind of contact.
+        scales: by a parameter's name or unit, as "N_per_mm", a factor on the sizes that are expected of it; 1 if
+        missing. contact: kind of contact. instead: True for the parameters that are inferred in place of the others.
         """
+        known_by = scales or {}
         known = {
-            name: described.beside(stated).scaled((scales or {}).get(described.quantity.unit, 1.0))
+            name: described.beside(stated).scaled(known_by.get(name, known_by.get(described.quantity.unit, 1.0)))
             for name, described in kind.parameters().items()
-            if described.default is None or described.default == described.neutral
+            if described.instead == instead and described.default in (None, described.neutral)
         }
         free, held = (
             {name: item for name, item in known.items() if (item.held_by is not None) is wanted}
@@ -72,9 +75,12 @@ class Candidate:
 
     @property
     def name(self) -> str:
-        """The effect's name and, after a colon each, words other than the default: "sensor_lag:force"."""
+        """The effect's name and, after a colon each, words other than the default, as "sensor_lag:force", or the
+        parameter that is inferred in place of the others, as "plasticity:flattening".
+        """
         usual = {name: words[0] for name, words in self.kind.choices().items()}
-        return ":".join([self.kind.name, *(word for name, word in self.chosen.items() if word != usual[name])])
+        words = [word for name, word in self.chosen.items() if word != usual[name]]
+        return ":".join([self.kind.name, *words, *(words_of(name) for name, p in self.parameters.items() if p.instead)])
 
     def unknown_spread(self, name: str, coordinate: float) -> float:
         """Largest standard deviation that held numbers add to the parameter `name` at a coordinate; 0 if none depends
@@ -148,15 +154,18 @@ def library(setup: SurrogateInputs, states: WearStates | None = None) -> tuple[C
     contact of 1 µm².
     """
     course = _Course.of(setup, states)
+    # Bodies yield by Hertz's largest pressure, of 4 650 MPa between the wires for which effects state what one expects.
+    scales = {**setup.scales, "yield_stress_MPa": 1.5e6 * setup.load_N / course.fresh_area_um2 / 4650.0}
     return tuple(
         Candidate.of(
-            kind, setup.stated, dict(zip(kind.choices(), words, strict=True)), setup.scales, setup.contact_kind
+            kind, setup.stated, dict(zip(kind.choices(), words, strict=True)), scales, setup.contact_kind, instead
         )
         for kind in all_effects().values()
         if kind.considered_for(setup.contact_kind, setup.held)
         and (chain := _chain(kind, setup, course)) is not None
         and _sized(kind, setup).may_show(chain)
         for words in product(*kind.choices().values())
+        for instead in sorted({item.instead for item in kind.parameters().values()})
     )
 
 

@@ -8,7 +8,7 @@ wear state; the drive's amplitude decides how far. Worn volume follows from the 
 
 from __future__ import annotations
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass, field, replace
 from functools import cache
 from typing import Any
@@ -21,7 +21,7 @@ from wirewear.diagnosis.surrogate import sensing
 from wirewear.diagnosis.surrogate.control import LEAST_SLIP, driven, half_reading, missing_of
 from wirewear.diagnosis.surrogate.followed import CyclePath, Followed, followed
 from wirewear.diagnosis.surrogate.inputs import NUMBERS, SurrogateInputs
-from wirewear.diagnosis.surrogate.layered_wires import LAYER_MEMORY, SHEAR_RATIO, remembered
+from wirewear.diagnosis.surrogate.layered_wires import LAYER_MEMORY, SHEAR_RATIO, FlattenedWires, remembered
 from wirewear.diagnosis.surrogate.loop_states import EVEN_POWERS, LIFT_POWERS, ODD_POWERS
 from wirewear.diagnosis.surrogate.sticking import worn_as_far
 from wirewear.diagnosis.surrogate.wear_states import WearStates
@@ -162,7 +162,8 @@ def simulated(states: WearStates, setups: Sequence[SurrogateInputs], cycles: Arr
     loops = sensing.read_by_sensors(setup, chain, *true, contact.share)
     under = np.zeros(len(setups)) if layer is None else layer.worn_under_um[ends]
     reach = states.reach(np.maximum(swept[ends], [LEAST_SLIP * one.amplitude_um for one in setups]))
-    scars, skews = _scars(states, end, reach, under), _skews(states, end, reach)
+    stated_um = np.array([one.print_um for one in setups])
+    scars, skews = _scars(states, end, reach, under, stated_um), _skews(states, end, reach)
     profiles = [
         states.profiles(one, end.taken(np.array([place])), float(reach[place]), float(share[ends[place]]))
         for place, one in enumerate(setups)
@@ -253,10 +254,10 @@ def _contact(
     unstretched = similarity * setup.stretch**4
     drop, lift = states.loads(*_places(states, unstretched), slip)
     stiffness = setup.stick_factor * np.exp(setup.stick_trend * decades) * stiffness_N_per_um
-    if not states.sticks and (at := np.flatnonzero(chain.flattening_um)).size:
-        wires, unit = states.flattened(), slip[at] ** 2 / states.radius_um
+    for at, wires, *approaches in _flats(states, chain, np.asarray(setup.print_um)):
+        unit = slip[at] ** 2 / states.radius_um
         # The foundation cuts walls where they are: only the run's own states are stretched.
-        flat = wires.at(chain.flattening_um[at] / unit, unstretched[at])
+        flat = wires.at(*(one / unit for one in approaches), similarity=unstretched[at])
         theta[at] += (slip[at] / states.radius_um)[:, None] * (flat.slope @ _odd_hats(wires.positions.size))
         drop[at] += np.take(setup.normal_spring_N_per_um, at) * flat.approach * unit
         stiffness[at] *= np.exp(flat.stiffness)
@@ -278,6 +279,18 @@ def _contact(
     order = np.minimum(order * np.exp(less * setup.micro_slip), HIGHEST_ORDER)
     bends[:, 0] = reached
     return sensing.SlidingContact(along, along * ratio, stiffness, springs, order, np.ones_like(stiffness), bends)
+
+
+def _flats(
+    states: WearStates, chain: Chain, stated_um: Array
+) -> Iterator[tuple[NDArray[np.intp], FlattenedWires, Array, Array]]:
+    """Moments (n,) at which bodies have other flats than in the nominal run, the table of their changes, and the
+    approaches (n,) in µm of both. stated_um: of the nominal run's prints.
+    """
+    imposed, printed = (chain.flattening_um, np.zeros_like(chain.load_N)), (chain.print_um, stated_um)
+    for slid, (own, stated) in enumerate((imposed, printed)):
+        if not states.sticks and (at := np.flatnonzero(own != stated)).size:
+            yield at, states.flattened(slid=bool(slid)), own[at], stated[at]
 
 
 @cache
@@ -317,8 +330,10 @@ def _followed(setup: SurrogateInputs, chain: Chain, contact: sensing.SlidingCont
     return found
 
 
-def _scars(states: WearStates, last: Chain, slip: Array, worn_under_um: Array) -> Array:
-    """`SCAR_FIGURES` (k, 2, 4) of the moving and the fixed wire at a chain's moments (k,), by geometric similarity."""
+def _scars(states: WearStates, last: Chain, slip: Array, worn_under_um: Array, stated_um: Array) -> Array:
+    """`SCAR_FIGURES` (k, 2, 4) of the moving and the fixed wire at a chain's moments (k,), by geometric similarity.
+    stated_um: (k,) of the nominal run's prints.
+    """
     similar = states.similar(last.worn_um3, slip)
     row, share = _places(states, similar)
     share = np.minimum(share, 1.0)
@@ -332,8 +347,8 @@ def _scars(states: WearStates, last: Chain, slip: Array, worn_under_um: Array) -
     scaled[:, :, 0] *= np.divide(last.worn_um3, total, out=np.ones_like(total), where=total > 0.0)[:, None]
     unit = states.radius_um / slip**2
     similarity = last.worn_um3 * unit / slip**2
-    if not states.sticks and (at := np.flatnonzero(last.flattening_um)).size:
-        flat = states.flattened().at(last.flattening_um[at] * unit[at], similarity[at])
+    for at, wires, *approaches in _flats(states, last, stated_um):
+        flat = wires.at(*(one * unit[at] for one in approaches), similarity=similarity[at])
         scaled[at, :, 0] += flat.volume * (slip[at] ** 2 / unit[at])[:, None]
         scaled[at, :, 1] += flat.depth / unit[at, None]
         scaled[at, :, 2:] *= np.exp(flat.extent)

@@ -37,7 +37,7 @@ UM3_PER_MJ = 1e6
 NUMBERS = (
     *("amplitude_um", "load_N", "friction", "load_factor", "normal_spring_N_per_um", "slope_factor", "tip_factor"),
     *("tip_trend", "stretch", "stick_factor", "stick_trend", "micro_slip", "angle_rise", "held_share"),
-    *("displacement_offset_um", "force_offset_N"),
+    *("displacement_offset_um", "force_offset_N", "print_um"),
 )
 
 
@@ -88,6 +88,7 @@ class SurrogateInputs:
     compliance_um_per_N: float = 0.0  #: Compliance of the holder along the motion, with rotation about a pivot.
     normal_spring_N_per_um: float = 0.0  #: Stiffness of the spring that presses the bodies.
     crossing_error_rad: float = 0.0  #: Angle whose tangent shears scars; of wires, their axes' deviation from 90°.
+    print_um: float = 0.0  #: Approach that bodies keep which yield as stated, see `reference.kept_approach`.
     effects: tuple[AtWork, ...] = ()  #: Effects and free changes at work, applied in this order.
     length_mm: float = 0.0  #: Length of a line contact; zero for contacts at a point.
     contact_kind: str = kinds.CROSSED_WIRES
@@ -214,6 +215,7 @@ class SurrogateInputs:
             "wear_um3_per_mJ": self.wear_um3_per_mJ,
             "compliance_um_per_N": self.compliance_um_per_N,
             "crossing_error_rad": self.crossing_error_rad,
+            "print_um": self.print_um,
             "starved_factor": 1.0,
             "gain": 1.0,
         }

@@ -35,6 +35,7 @@ from wirewear.diagnosis.surrogate.worn_wires import (
     elastic,
     equilibrium,
     foundation,
+    limited,
     scars,
     slopes,
     wearing,
@@ -61,6 +62,12 @@ _MARGIN, _LEAST_RADIUS = 1.08, 1.0
 #: Flattenings and worn volumes that are followed, as shares of the deepest and of the largest.
 _FLATTENINGS = np.array([0.0, 0.04, 0.12, 0.3, 0.6, 1.0])
 _FLAT_VOLUMES = np.array([0.0, 0.0025, 0.0075, 0.018, 0.036, 0.07, 0.14, 0.26, 0.48, 1.0])
+
+#: Prints are followed on a grid so much finer, where so many steps find the load within a share; they are worn off by
+#: scars wider by a factor.
+_FINER, _PRINT_STEPS, _PRINT_TOLERANCE, _SLID_WIDER = 3, 30, 1e-3, 1.2
+#: Pressures at edges over a foundation's: prints of wires of 450 MPa then grow as in a run of 30 000 cycles.
+_EDGES = 1.2
 
 #: Power of the worn volume with which wear weighs in what a scar remembers of a layer: that which leaves least of the
 #: change of slopes of wires worn under six layers that wear in (`python -m studies.diagnosis.layer_memory`).
@@ -241,7 +248,7 @@ class FlatteningChange:
     approach: Array  #: (n,) in δ²/R, by which the wires came nearer through wear.
     depth: Array  #: (n, 2) in δ²/R, of the moving and of the fixed wire's scar.
     extent: Array  #: (n, 2, 2) change of the logarithms of length and width, by wire.
-    volume: Array  #: (n, 2) in δ⁴/R, taken by the flattening itself.
+    volume: Array  #: (n, 2) in δ⁴/R, taken by the flattening itself, by wire.
 
 
 @dataclass(frozen=True, eq=False)
@@ -249,7 +256,7 @@ class FlattenedWires:
     """Table of changes by flattening.
 
     flattenings: (k,) approach h R/δ² of the unworn wires, the first 0. volumes: (n,) V R/δ⁴ worn since. positions: (m,)
-    s/δ from 0 to 1. table: arrays (k, n, …) for the fields of `FlatteningChange`; `volume` is (k, 2).
+    s/δ from 0 to 1. table: arrays (k, n, …) for the fields of `FlatteningChange`.
     """
 
     flattenings: Array
@@ -257,19 +264,20 @@ class FlattenedWires:
     positions: Array
     table: FlatteningChange
 
-    def at(self, flattening: Array, similarity: Array) -> FlatteningChange:
-        """The changes at n moments of flattening h R/δ² (n,) and similarity V R/δ⁴ (n,); larger flattenings count as
-        the largest.
+    def at(self, flattening: Array, before: Array | float = 0.0, *, similarity: Array) -> FlatteningChange:
+        """The changes at n moments from flattening `before` to `flattening`, h R/δ² (n,), at similarity V R/δ⁴ (n,);
+        larger flattenings count as the largest.
         """
         late = np.maximum(similarity / self.volumes[-1], 1.0)
         start = self.volumes[1]
-        where = np.minimum(flattening, self.flattenings[-1]), np.log(similarity / late + start)
-        axes = self.flattenings, np.log(self.volumes + start)
+        worn, axes = np.log(similarity / late + start), (self.flattenings, np.log(self.volumes + start))
+        ends = [(np.minimum(one, self.flattenings[-1]), worn) for one in np.broadcast_arrays(flattening, before)]
 
-        def read(table: Array, count: int = 2) -> Array:
+        def read(table: Array) -> Array:
             # Round-off may lead past an end.
-            known = RegularGridInterpolator(axes[:count], table, bounds_error=False, fill_value=None)
-            return np.asarray(known(np.stack(where[:count], axis=-1)))
+            known = RegularGridInterpolator(axes, table, bounds_error=False, fill_value=None)
+            after, first = (known(np.stack(where, axis=-1)) for where in ends)
+            return np.asarray(after - first)
 
         table = self.table
         return FlatteningChange(
@@ -279,31 +287,33 @@ class FlattenedWires:
             read(table.approach),
             read(table.depth),
             read(table.extent) / late[:, None, None],
-            read(table.volume, 1),
+            read(table.volume),
         )
 
 
 @lru_cache(maxsize=16)
 def flattened_wires(
-    fresh_radius: float, stroke: float, deepest: float, moving_share: float = 0.5, along: float = 1.0
+    fresh_radius: float, stroke: float, deepest: float, moving_share: float = 0.5, along: float = 1.0, *, slid: bool
 ) -> FlattenedWires:
     """Table of changes by flattenings h R/δ² from 0 to `deepest`.
 
     fresh_radius, stroke: radius of the unworn contact and stroke to either side, in slip amplitudes. moving_share:
-    share of the wear that the moving wire loses. along: curvature of the gap along the motion over that across.
+    share of the wear that the moving wire loses. along: curvature of the gap along the motion over that across. slid:
+    True for the prints of bodies that yield as they slide, by the approach that pressing alone keeps.
     """
     flattenings = deepest * _FLATTENINGS
-    wires = _flattened(flattenings, stroke, fresh_radius, along)
-    flats = np.stack([(lost * wires.areas[:, None]).sum(axis=(1, 2)) for lost in (wires.moving, wires.fixed)], axis=1)
-    volumes = _OUTWORN * float(flats[-1].sum()) * _FLAT_VOLUMES
+    wires, limit = (_printed if slid else _flattened)(flattenings, stroke, fresh_radius, along)
+    press = elastic if limit is None else partial(limited, limit=limit)
+    volumes = _OUTWORN * float(wires.volumes[-1].sum()) * _FLAT_VOLUMES
     guess = flattenings[:, None] + 0.1 * fresh_radius**2 + np.zeros(wires.s.size)
     kept = []
-    for now in wearing(wires, volumes, fresh_radius, guess, moving_share, lambda own: partial(elastic, stiffness=own)):
+    held = fresh_radius, guess, moving_share, lambda own: partial(press, stiffness=own), 0.0, limit
+    for volume, now in zip(volumes, wearing(wires, volumes, *held), strict=True):
         figures = scars(wires)
-        kept.append(
-            (slopes(now.part, now.pressure), now.radius, now.approach.mean(axis=1), figures[:, :, 1], figures[:, :, 2:])
-        )
-    slope, size, near, depth, extent = (np.stack(column, axis=1) for column in zip(*kept, strict=True))
+        flats = wires.volumes - volume * np.array([moving_share, 1.0 - moving_share])
+        of_loops = slopes(now.part, now.pressure), now.radius, now.approach.mean(axis=1)
+        kept.append((*of_loops, figures[:, :, 1], figures[:, :, 2:], flats))
+    slope, size, near, depth, extent, flats = (np.stack(column, axis=1) for column in zip(*kept, strict=True))
     near = near - near[:, :1]
     # Before any wear there is no scar to compare with.
     extent[:, 0] = extent[:, 1]
@@ -313,21 +323,55 @@ def flattened_wires(
         near - near[:1],
         depth - depth[:1],
         np.log(extent / extent[:1]),
-        flats,
+        flats - flats[:1],
     )
     return FlattenedWires(flattenings, volumes, wires.s, change)
 
 
-def _flattened(flattenings: Array, stroke: float, fresh_radius: float, along: float) -> WornWires:
-    """Unworn wires, flattened by half the overlap of their unworn shapes wherever they meet during the stroke."""
-    deepest = float(flattenings[-1])
-    flat = (2.0 * deepest) ** 1.5 * stroke / 1.5 + np.pi * deepest**2 / along**0.5
-    extent = _MARGIN * (4.0 * (1.0 + _OUTWORN) * flat * along**0.5 / np.pi) ** 0.25 + 0.5 * fresh_radius
-    wires = WornWires.unworn(flattenings.size, extent, along)
+def _flattened(flattenings: Array, stroke: float, fresh_radius: float, along: float) -> tuple[WornWires, None]:
+    """Unworn wires, flattened by half the overlap of their unworn shapes wherever they meet during the stroke, and no
+    limits of their pressures.
+    """
+    wires = WornWires.unworn(flattenings.size, _extent(float(flattenings[-1]), stroke, fresh_radius, along), along)
     overlap = flattenings[:, None, None] - 0.5 * wires.y[:, None] ** 2
     past = np.maximum(np.abs(wires.moving_x) - stroke, 0.0)
-    return replace(
-        wires,
-        fixed=0.5 * np.maximum(overlap - 0.5 * along * wires.x**2, 0.0),
-        moving=0.5 * np.maximum(overlap - 0.5 * along * past**2, 0.0),
-    )
+    fixed, moving = (0.5 * np.maximum(overlap - 0.5 * along * x**2, 0.0) for x in (wires.x, past))
+    return replace(wires, fixed=fixed, moving=moving), None
+
+
+def _extent(deepest: float, stroke: float, fresh_radius: float, along: float) -> float:
+    """Half the width of a grid of wires that outwear flats of this approach."""
+    flat = (2.0 * deepest) ** 1.5 * stroke / 1.5 + np.pi * deepest**2 / along**0.5
+    return float(_MARGIN * (4.0 * (1.0 + _OUTWORN) * flat * along**0.5 / np.pi) ** 0.25 + 0.5 * fresh_radius)
+
+
+def _printed(kept: Array, stroke: float, fresh_radius: float, along: float) -> tuple[WornWires, Array]:
+    """Unworn wires with the prints of pressing and sliding to and fro, and the limits (k,) of pressures of later wear.
+
+    kept: (k,) approaches that pressing alone keeps. On fresh metal the front half of the contact bears the load, so
+    that sliding goes on printing (Bowden & Tabor, The Friction and Lubrication of Solids (1950)); each wire takes half.
+    """
+    extent = _SLID_WIDER * _extent(float(kept[-1]), stroke, fresh_radius, along)
+    wires, fine = (WornWires.unworn(kept.size, extent, along, finer) for finer in (1, _FINER))
+    stiffness = foundation(fresh_radius, np.sqrt(fresh_radius**2 + 2.0 * kept))
+    # Of the load of 1, the limit bears what lies on the print, and an elastic rim the rest.
+    limit = np.sqrt((kept * stiffness) ** 2 + stiffness * along**0.5 / np.pi) - kept * stiffness
+    limit[kept == 0.0] = 1e9
+    places, own, most = fine.s.size - 1, stiffness[:, None, None], limit[:, None, None]
+    unworn, approach = 0.5 * (along * fine.x**2 + fine.y[:, None] ** 2), kept + 0.1 * fresh_radius**2
+    for at in [*range(places), *range(places, -places, -1), *range(-places, places + 1)]:
+        moving = fine.moving[:, :, places + at : places + at + fine.x.size]
+        gap = unworn + fine.fixed + moving
+        for _ in range(_PRINT_STEPS):
+            pressure = own * np.maximum(approach[:, None, None] - gap, 0.0)
+            rising = own * ((pressure > 0.0) & (pressure < most))
+            load, rim = (np.einsum("kyx,y->k", one, fine.areas) for one in (np.minimum(pressure, most), rising))
+            if float(np.abs(load - 1.0).max()) < _PRINT_TOLERANCE:
+                break
+            approach = approach - (load - 1.0) / np.maximum(rim, 1e-9)
+        closed = 0.5 * np.maximum(pressure - most, 0.0) / own
+        fine.fixed[...] += closed
+        moving += closed
+    for of_wires, found in ((wires.fixed, fine.fixed), (wires.moving, fine.moving)):
+        of_wires[...] = 0.5 * (found + found[:, :, ::-1])[:, ::_FINER, ::_FINER]
+    return wires, limit / _EDGES

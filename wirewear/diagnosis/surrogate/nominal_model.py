@@ -8,7 +8,7 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from dataclasses import dataclass, replace
-from math import atan
+from math import atan, sqrt
 from typing import ClassVar, Literal, TypeVar, cast
 
 from wirewear.base.errors import RecordError
@@ -21,11 +21,12 @@ from wirewear.diagnosis.surrogate.wear_states import JointStates, WearStates
 from wirewear.effects import AnyEffect
 from wirewear.records import AnyRecord, ExperimentRecord, LineRecord
 from wirewear.records.contact_tables import AnyTables
+from wirewear.reference import kept_approach
 from wirewear.results import RunResult
 from wirewear.results.scar import called
 from wirewear.test import AnyStudy, LineStudy, Study
 from wirewear.test.conditions import held_keys
-from wirewear.test.gaps import Gap
+from wirewear.test.gaps import Gap, hertz_of
 from wirewear.test.study import JointStudy
 
 
@@ -36,8 +37,12 @@ def nominal_inputs(study: Study, drive: Literal["sensor", "stroke"]) -> Surrogat
     wear, friction = study.wear, study.contact.friction
     worn = 0.0 if wear is None else wear.volume_per_sliding_mm3_per_N_m(friction) / max(friction, 1e-9)
     setup = SurrogateInputs.of(study, drive, worn)
-    shear = Gap.like(study.conditions.normal_load_N, *study.bodies).shear
-    return replace(setup, crossing_error_rad=atan(shear), effects=study.effects, **EXPECTED)
+    load = study.conditions.normal_load_N
+    gap, tables = Gap.like(load, *study.bodies), study.with_effects().tables
+    fresh = hertz_of(load, *study.bodies).contact_radius_mm, gap.radius_mm / sqrt(gap.along)
+    stated = [] if study.contact.plasticity == "none" else filter(None, tables.yields.values())
+    kept = 1e3 * max((kept_approach(load, *fresh, stress) for stress, _ in stated), default=0.0)
+    return replace(setup, crossing_error_rad=atan(gap.shear), print_um=kept, effects=study.effects, **EXPECTED)
 
 
 def nominal_line_inputs(study: LineStudy, drive: Literal["sensor", "stroke"]) -> SurrogateInputs:

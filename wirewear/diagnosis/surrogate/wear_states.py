@@ -266,12 +266,12 @@ class WearStates:
         size = (slip_um / values[:, 0]) ** 2
         return values[:, 1] * size, values[:, 2:] * size[:, None]
 
-    def flattened(self) -> FlattenedWires:
-        """Table of the changes of these states that flattening of the bodies before any wear makes."""
+    def flattened(self, *, slid: bool = False) -> FlattenedWires:
+        """Table of the changes of these states by flattening before any wear; slid: by prints of bodies that yield."""
         slip = float(self.slip_um[0])
         deepest = DEEPEST_um * self.radius_um / slip**2
         radius, stroke, share = self._proportions
-        return flattened_wires(radius, stroke, round(deepest, 2), share, round(self.along, 3))
+        return flattened_wires(radius, stroke, round(deepest, 2), share, round(self.along, 3), slid=slid)
 
     def layered(self) -> LayeredWires:
         """Table of what a rough layer between the bodies changes of their loops and scars."""

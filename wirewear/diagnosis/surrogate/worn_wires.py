@@ -26,6 +26,9 @@ Pressing = Callable[[Array], tuple[Array, Array]]
 #: Share of the largest step that keeps an explicit wear law from oscillating, and largest growth of the volume.
 _STABLE, _GROWTH = 0.95, 0.3
 
+#: Beyond a limit, pressures of a foundation rise by this share of the stiffness.
+_RISE = 0.05
+
 #: Newton steps for the approach, and by which share of the load they may miss.
 _NEWTON_STEPS, _NEWTON_TOLERANCE = 40, 1e-3
 
@@ -47,13 +50,14 @@ class WornWires:
     along: float = 1.0
 
     @classmethod
-    def unworn(cls, count: int, extent: float, along: float = 1.0) -> WornWires:
+    def unworn(cls, count: int, extent: float, along: float = 1.0, finer: int = 1) -> WornWires:
         """`count` pairs of unworn wires on a grid that reaches from the middle to `extent`, in δ, across the motion.
-        along: the gap's curvature along the motion over its curvature across it.
+        along: the gap's curvature along the motion over its curvature across it. finer: parts of a usual grid's step.
         """
         places = max(round(16 / extent * max(along, 1.0) ** 0.5), 4)
+        half, rows = (finer * int(np.ceil(reach * places)) for reach in (extent / along**0.5, extent))
+        places *= finer
         step = 1.0 / places
-        half, rows = (int(np.ceil(reach / step)) for reach in (extent / along**0.5, extent))
         x, y = step * np.arange(-half, half + 1.0), step * np.arange(rows + 1.0)
         fixed, moving = (np.zeros((count, y.size, x.size + 2 * more)) for more in (0, places))
         return cls(x, y, step * np.arange(places + 1.0), fixed, moving, along)
@@ -73,6 +77,11 @@ class WornWires:
     def areas(self) -> Array:
         """Areas (y,) in δ² that a point of each row stands for, its mirror image at −y included."""
         return np.where(self.y > 0.0, 2.0, 1.0) * self.step**2
+
+    @property
+    def volumes(self) -> Array:
+        """Volumes (k, 2) in δ⁴/R that the moving and the fixed wire lack."""
+        return np.stack([np.einsum("kyx,y->k", one, self.areas) for one in (self.moving, self.fixed)], axis=1)
 
     def windows(self, moving: Array) -> Array:
         """A view (k, y, s, x) of a field (k, y, X) of the moving wire, as it lies above the fixed wire's grid at each
@@ -105,6 +114,16 @@ class WornWires:
             moving[:, :, start : start + self.x.size] += rubbed[:, :, place]
         self.moving[...] += 0.5 * moving_share * (moving + moving[:, :, ::-1])
 
+    def printed(self, closed: Array) -> None:
+        """Print both wires in place, each by half of the largest closure (k, y, s, x) of the positions."""
+        fixed, moving = closed.max(axis=2), np.zeros_like(self.moving)
+        for place in range(self.s.size):
+            start = self.s.size - 1 + place
+            into = moving[:, :, start : start + self.x.size]
+            np.maximum(into, closed[:, :, place], out=into)
+        self.fixed[...] += 0.5 * np.maximum(fixed, fixed[:, :, ::-1])
+        self.moving[...] += 0.5 * np.maximum(moving, moving[:, :, ::-1])
+
 
 class Worn(NamedTuple):
     """Wires in k cases after a worn volume.
@@ -126,6 +145,14 @@ def elastic(overlap: Array, stiffness: Array) -> tuple[Array, Array]:
     return own * np.maximum(overlap, 0.0), own * (overlap > 0.0)
 
 
+def limited(overlap: Array, stiffness: Array, limit: Array) -> tuple[Array, Array]:
+    """As `elastic`, but pressures hardly rise beyond limits (k,), and the second array is their ratio to overlaps."""
+    free, rising = elastic(overlap, stiffness)
+    most = limit[:, None, None, None]
+    pressure = np.where(free > most, most + _RISE * (free - most), free)
+    return pressure, rising * np.divide(pressure, free, out=np.ones_like(free), where=free > 0.0)
+
+
 def wearing(
     wires: WornWires,
     volumes: Array,
@@ -134,12 +161,14 @@ def wearing(
     moving_share: float,
     pressing: Callable[[Array], Pressing],
     least_growth: float = 0.0,
+    limit: Array | None = None,
 ) -> Iterator[Worn]:
     """Wear k pairs of wires in place, and yield their state when each of the increasing `volumes` is worn.
 
     fresh_radius: of the unworn contact. approach: (k, s) first guess. moving_share: share of the wear that the moving
     wire loses. pressing: makes the function from overlaps to pressures from stiffnesses (k,). least_growth: share of
-    the volume by which each step may at least grow; foundations are softened as far as stability needs for it.
+    the volume by which each step may at least grow; foundations are softened as far as stability needs for it. limit:
+    (k,) pressures beyond which wires are printed, with `pressing` by `limited`.
     """
     radius = np.full(wires.fixed.shape[0], fresh_radius)
     worn = 0.0
@@ -148,6 +177,9 @@ def wearing(
             stiffness = foundation(fresh_radius, radius, least_growth * worn)
             part, pressure, approach = equilibrium(wires, pressing(stiffness), approach)
             radius = contact_radius(part, pressure)
+            if limit is not None:
+                beyond = np.maximum(pressure - limit[:, None, None, None], 0.0)
+                part.printed(beyond / (_RISE * stiffness[:, None, None, None]))
             if worn >= wanted:
                 break
             step = min(_STABLE / float(stiffness.max()), max(_GROWTH * worn, 0.3 * float(volumes[1])), wanted - worn)
