@@ -111,6 +111,7 @@ def test_a_wear_rate_looks_like_wear_that_changes_and_free_play_like_nothing_els
 
     assert alike("wear_rate_offset", 1.5) == ["wear that goes faster and slower over the test"]
     assert alike("free_play", 6.0) == []
+    assert "holder whose compliance changes over the test" not in alike("tangential_compliance", 200.0)
 
 
 def test_what_all_likely_explanations_share_is_sure_and_what_acts_beside_it_is_open() -> None:

@@ -42,47 +42,33 @@ _AIR = "humidity logged beside the loops"
 
 #: What no effect of the library is and would act as a family, and the measurement that tells, by the family's name.
 MADE_BY = {
-    "distortion of the force channel, odd in Q": (
-        "a load cell that bends or saturates",
-        "weights hung on the load cell, up to its largest force",
-    ),
+    "distortion of the force channel, odd in Q":
+        ("a load cell that bends or saturates", "weights hung on the load cell"),
     "distortion of the force channel, even in Q": _ONE_END,
-    "distortion of the displacement channel, odd in the displacement": (
-        "a displacement sensor that is not linear",
-        "gauge blocks or a second sensor over the whole stroke",
-    ),
+    "distortion of the displacement channel, odd in the displacement":
+        ("a displacement sensor that is not linear", "gauge blocks or a second sensor over the whole stroke"),
     "gain of the displacement channel that changes over the test": ("a sensor that warms", ENCODER.what),
     "zero of the force channel that changes over the test": _ONE_END,
     "holder that slips, with hysteresis": ("a clamp that slips a little in every cycle", SECOND_HEIGHT.what),
-    "holder that stiffens or softens under the force, alike in both directions": (
-        "a joint that closes under the force",
-        "the holder pulled without contact, up to the largest force",
-    ),
-    "holder whose compliance changes over the test": (
-        "a joint that creeps or comes loose",
-        "the holder pulled without contact before and after the test",
-    ),
+    "holder that stiffens or softens under the force, alike in both directions":
+        ("a joint that closes under the force", "the holder pulled without contact, up to the largest force"),
+    "holder whose compliance changes over the test":
+        ("a joint that creeps or comes loose", "the holder pulled without contact before and after the test"),
     "force that follows the place, as slopes of a surface make it": _ONE_END,
     "friction that differs along the stroke from one side to the other": _ONE_END,
-    "friction that differs along the stroke, alike on both sides of its middle": (
-        "surfaces that flash hot where they slide fast",
-        LOWER_FREQUENCY.what,
-    ),
-    "friction that passes after each reversal": (
-        "debris that rolls back, or surfaces that warm as they slide",
-        LOWER_FREQUENCY.what,
-    ),
-    "friction that changes over the test": (
-        "air that turns moist and dry, debris that gathers and leaves at once, or stick–slip that a logger averages",
-        f"{_AIR}, and a few loops logged fast and without a filter",
-    ),
+    "friction that differs along the stroke, alike on both sides of its middle":
+        ("surfaces that flash hot where they slide fast", LOWER_FREQUENCY.what),
+    "friction that passes after each reversal":
+        ("debris that rolls back, or surfaces that warm as they slide", LOWER_FREQUENCY.what),
+    "friction that changes over the test":
+        ("air that turns moist and dry, debris that gathers and leaves at once, or stick–slip that a logger averages",
+         f"{_AIR}, and a few loops logged fast and without a filter"),
     "load that changes over the test": ("a lever or guide that sticks", NORMAL_FORCE.what),
-    "wear that goes faster and slower over the test": (
-        "wear that sets in or turns mild at some depth or pressure, or air that turns moist and dry",
-        f"{INTERRUPTED_SCARS.what}, and {_AIR}",
-    ),
+    "wear that goes faster and slower over the test":
+        ("wear that sets in or turns mild at some depth or pressure, or air that turns moist and dry",
+         f"{INTERRUPTED_SCARS.what}, and {_AIR}"),
     "wear that differs from one side of the scar to the other": _ONE_END,
-}
+}  # fmt: skip
 
 
 @dataclass(frozen=True)
@@ -124,14 +110,19 @@ def imitations(problem: Problem, one: Fit) -> tuple[Imitation, ...]:
     # Undone where the effects are at work, or made where they are not: what is linear at either end.
     for sets in (*columns_of(problem, one.setup), *columns_of(problem, base)):
         for columns in sets:
-            moved = np.column_stack([SIZES[-1] * (problem.whitening @ columns.observed), freedoms])
+            observed = columns.observed
+            if columns.knots.size and columns.family.seam not in (Seam.CONTACT, Seam.WEAR):
+                mean = columns.of_unknowns.mean(axis=0)  # what is there all the time is no change over the test
+                observed = observed - np.outer(observed @ mean, mean) / (mean @ mean)
+            moved = np.column_stack([SIZES[-1] * (problem.whitening @ observed), freedoms])
             sizes = np.linalg.solve(moved.T @ moved + np.eye(moved.shape[1]), moved.T @ made)
             rest = float(np.linalg.norm(made - moved @ sizes))
             left[columns.family] = min(left.get(columns.family, np.inf), rest)
     within = min(SEPARABLE, ALIKE * float(np.linalg.norm(made)))
-    near = sorted((rest, family.name) for family, rest in left.items() if rest < within and family.name in MADE_BY)
-    seams = {family.name: str(family.seam) for family in left}
-    return tuple(Imitation(seams[name], name, *MADE_BY[name], round(rest, 2)) for rest, name in near[:MOST_LISTED])
+    near = sorted((one for one in left if left[one] < within and one.name in MADE_BY), key=lambda one: left[one])[
+        :MOST_LISTED
+    ]
+    return tuple(Imitation(str(one.seam), one.name, *MADE_BY[one.name], round(left[one], 2)) for one in near)
 
 
 def resemblances(problem: Problem, found: Sequence[Distortion], best_log_evidence: float) -> tuple[Resemblance, ...]:
