@@ -199,8 +199,10 @@ def test_every_effect_that_loops_show_moves_an_observable() -> None:
     layout = reduce(record()).layout
     before = layout.observed(simulate(states(), nominal(), layout.cycles))
     for candidate in library(nominal()):
-        changed = candidate.applied(nominal(), np.full(len(candidate.unknowns), 1.0))
-        moved = float(np.nanmax(np.abs(layout.observed(simulate(states(), changed, layout.cycles)) - before)))
+        # A yield stress shows where it is low, others where they are high.
+        ends = (candidate.applied(nominal(), np.full(len(candidate.unknowns), end)) for end in (-1.0, 1.0))
+        found = [layout.observed(simulate(states(), end, layout.cycles)) for end in ends]
+        moved = float(np.nanmax(np.abs(np.array(found) - before)))
         assert (moved > 1e-4) == (candidate.name != "crossing_angle_error"), candidate.name
 
 

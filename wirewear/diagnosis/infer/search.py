@@ -143,9 +143,9 @@ def search(states: WearStates, setup: SurrogateInputs, observed: Observations, l
 
 def gain_needed(problem: Problem, one: Fit) -> float:
     """Log evidence that a second effect must gain beside the explanation `one`: in proportion to the misfit that this
-    leaves, down to `LEAST_DISPERSION`.
+    leaves, from `LEAST_DISPERSION` up to 1, as more may be left because the second effect is missing.
     """
-    return PAIR_GAIN * max(one.distance2 / problem.mean.size, LEAST_DISPERSION)
+    return PAIR_GAIN * min(max(one.distance2 / problem.mean.size, LEAST_DISPERSION), 1.0)
 
 
 def leading(none: Fit, others: Sequence[Fit]) -> tuple[Fit, tuple[Fit, ...]]:
