@@ -198,7 +198,7 @@ def test_the_drive_holds_the_reading_or_the_true_stroke() -> None:
 def test_every_effect_that_loops_show_moves_an_observable() -> None:
     layout = reduce(record()).layout
     before = layout.observed(simulate(states(), nominal(), layout.cycles))
-    for candidate in library(nominal()):
+    for candidate in library(nominal(), states()):
         # A yield stress shows where it is low, others where they are high.
         ends = (candidate.applied(nominal(), np.full(len(candidate.unknowns), end)) for end in (-1.0, 1.0))
         found = [layout.observed(simulate(states(), end, layout.cycles)) for end in ends]
