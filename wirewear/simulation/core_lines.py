@@ -102,7 +102,7 @@ def fitted_to_core(lines: _Lines, contact: Ellipse, share: float, axial_rad: flo
     }
 
     def off(place: int) -> float:
-        """Errors of what wears and of the energy count alike."""
+        """Sum of the errors of what wears and of the loop's energy, which count alike."""
         loop = loop_error(tried[place], contact, share, axial_rad)
         return wear[place] + float(np.sqrt(np.mean(loop**2)))
 
@@ -187,12 +187,12 @@ class _WornGap:
 
     @cached_property
     def edge(self) -> float:
-        """Nothing wears beyond this share of the contact's axes: across a slender one more does than of a circle."""
+        """Share of the contact's axes beyond which nothing wears: across a slender one larger than of a circle."""
         return 1.3 * worn_under_load(1.0, 1.0, 4.0 / 3.0, 1.0 - self.share**3).edge_radius_mm
 
     @cached_property
     def volume(self) -> float:
-        """Of the gap in mm³, where it is open."""
+        """Volume in mm³ that wears in the end: of the gap around the core, where it is open."""
         turn = 0.5 * pi * (np.arange(_AROUND) + 0.5) / _AROUND
         steps = (np.arange(_OUTWARDS) + 0.5) / _OUTWARDS
         wide = self.edge - self.share
@@ -219,7 +219,7 @@ class _WornGap:
 
 
 def _load(contact: Ellipse) -> float:
-    """Of pressures as Hertz has them that are 1 in the middle."""
+    """Load on Hertz's contact of these axes whose pressure is 1 in the middle."""
     return 2.0 / 3.0 * pi * contact.major_mm * contact.minor_mm
 
 
@@ -229,7 +229,7 @@ def _depth(contact: Ellipse) -> float:
 
 
 def _gap(contact: Ellipse, along: Array, across: Array) -> Array:
-    """Of the unworn bodies, at places in shares of the contact's axes, in the unit of `_depth`."""
+    """Gap between the unworn bodies at places in shares of the contact's axes, in the unit of `_depth`."""
     k = (contact.minor_mm / contact.major_mm) ** 2
     whole = float(scipy.special.ellipk(1.0 - k))
     part = pi / 4.0 if k == 1.0 else (whole - float(scipy.special.ellipe(1.0 - k))) / (1.0 - k)
