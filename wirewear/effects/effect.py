@@ -252,6 +252,8 @@ class Effect(ABC, Generic[T]):
     prior_weight: ClassVar[float] = 1.0
     #: Error of the fast model against the full simulation with this effect, relative to the change that it makes.
     model_error: ClassVar[float] = 0.0
+    #: By how much laws of the effect differ in any place of the loops, relative to its largest change of them.
+    law_error: ClassVar[float] = 0.0
     #: Whether the effect's strength depends on the cycles or on wear.
     ages: ClassVar[Ageing] = Ageing.BY_WEAR
     #: Whether it needs a test under load, and is refused at a fixed approach.
@@ -330,11 +332,12 @@ class Effect(ABC, Generic[T]):
     @classmethod
     def expected(cls) -> dict[str, object]:
         """Everything assumed about this effect before a record is seen, from which a diagnosis starts, as plain values
-        for JSON: prior_weight, model_error, forms and parameters.
+        for JSON: prior_weight, model_error, law_error, forms and parameters.
         """
         return {
             "prior_weight": cls.prior_weight,
             "model_error": cls.model_error,
+            "law_error": cls.law_error,
             "forms": {name: asdict(described) for name, described in cls.forms().items()},
             "parameters": {name: asdict(described) for name, described in cls.parameters().items()},
         }

@@ -311,6 +311,8 @@ class Plasticity(Effect[Specimens]):
     confused_with = ("wear_rate_offset", "wear_rate_evolution")
     answers = (measurements.INTERRUPTED_SCARS.shows("scars before any wear, with a rim"),)
     model_error = 0.2
+    #: Metal that flows has walls only at the ends of its prints, and worn edges are printed in single cycles.
+    law_error = 0.5
 
     yield_stress_MPa: float = parameter(
         "yield stress of the body that yields first",

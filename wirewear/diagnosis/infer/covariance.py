@@ -18,6 +18,7 @@ from scipy.special import chdtrc
 
 from geometry.arrays import Array, IntArray
 from wirewear.diagnosis.calibration import constants
+from wirewear.diagnosis.observe.along_branches import KneePeak, PlateauForce, Stick
 from wirewear.diagnosis.observe.local_lines import OUTLYING
 from wirewear.diagnosis.observe.measured_loops import LEAST_NOISE
 from wirewear.diagnosis.observe.observable import SLOPE_SHARE, ModelLoops, Scale
@@ -344,13 +345,20 @@ def with_model_error(
     layout: Layout,
     covariance: Covariance,
     share: float,
+    anywhere: float = 0.0,
 ) -> Covariance:
     """A copy with an added smooth error: `share` of the change of the observables from the setup `nominal` to
-    `changed`.
+    `changed`, and `anywhere` of the largest change along branches, of that unit, in any place of them.
     """
     before, after = layout.computed(states, nominal, changed)
     scale = Scale(nominal.amplitude_um, nominal.plateau_force_N)
-    extra = smooth_covariance(layout, share * np.abs(np.nan_to_num(after - before)), scale)
+    change = np.abs(np.nan_to_num(after - before))
+    extra = smooth_covariance(layout, share * change, scale)
+    along = [part for part in layout if anywhere and isinstance(part.observable, (Stick, KneePeak, PlateauForce))]
+    for part in along:
+        alike = (change[other.rows].max() for other in along if other.observable.unit == part.observable.unit)
+        size = np.full(len(part.sites), anywhere * max(alike))
+        extra[part.rows, part.rows] += smooth_block(part, size, scale, LASTING)
     return replace(covariance, total=covariance.total + extra, numerical=covariance.numerical + extra)
 
 

@@ -172,7 +172,8 @@ def problem_around(
     covariance = estimate(states, around, observed)
     error = max((states.model_error(effect.kind) for effect in effects), default=0.0)
     if error > 0.0:
-        covariance = with_model_error(states, setup, around, observed.layout, covariance, error)
+        law = max(effect.kind.law_error for effect in effects)
+        covariance = with_model_error(states, setup, around, observed.layout, covariance, error, law)
     problem = Problem.of(states, setup, observed.layout, covariance)
     return problem if before is None else replace(problem, known=before.known), covariance
 

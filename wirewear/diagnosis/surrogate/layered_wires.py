@@ -59,15 +59,16 @@ _LEAST_GROWTH = 0.005
 #: Half the grid's width over the radius of the largest scar, and the least such radius.
 _MARGIN, _LEAST_RADIUS = 1.08, 1.0
 
-#: Flattenings and worn volumes that are followed, as shares of the deepest and of the largest.
+#: Flattenings, prints' approaches and worn volumes that are followed, as shares of the deepest and of the largest.
 _FLATTENINGS = np.array([0.0, 0.04, 0.12, 0.3, 0.6, 1.0])
+_PRINTS = np.array([0.0, 0.04, 0.12, 0.2, 0.4, 1.0])
 _FLAT_VOLUMES = np.array([0.0, 0.0025, 0.0075, 0.018, 0.036, 0.07, 0.14, 0.26, 0.48, 1.0])
 
 #: Prints are followed on a grid so much finer, where so many steps find the load within a share; they are worn off by
 #: scars wider by a factor.
 _FINER, _PRINT_STEPS, _PRINT_TOLERANCE, _SLID_WIDER = 3, 30, 1e-3, 1.2
-#: Pressures at edges over a foundation's: prints of wires of 450 MPa then grow as in a run of 30 000 cycles.
-_EDGES = 1.2
+#: Stiffness of a fresh contact's foundation that has Hertz's load and radius together, over that of `foundation`.
+_FRESH = 16.0 / (3.0 * np.pi)
 
 #: Power of the worn volume with which wear weighs in what a scar remembers of a layer: that which leaves least of the
 #: change of slopes of wires worn under six layers that wear in (`python -m studies.diagnosis.layer_memory`).
@@ -301,7 +302,7 @@ def flattened_wires(
     share of the wear that the moving wire loses. along: curvature of the gap along the motion over that across. slid:
     True for the prints of bodies that yield as they slide, by the approach that pressing alone keeps.
     """
-    flattenings = deepest * _FLATTENINGS
+    flattenings = deepest * (_PRINTS if slid else _FLATTENINGS)
     wires, limit = (_printed if slid else _flattened)(flattenings, stroke, fresh_radius, along)
     press = elastic if limit is None else partial(limited, limit=limit)
     volumes = _OUTWORN * float(wires.volumes[-1].sum()) * _FLAT_VOLUMES
@@ -353,10 +354,8 @@ def _printed(kept: Array, stroke: float, fresh_radius: float, along: float) -> t
     """
     extent = _SLID_WIDER * _extent(float(kept[-1]), stroke, fresh_radius, along)
     wires, fine = (WornWires.unworn(kept.size, extent, along, finer) for finer in (1, _FINER))
-    stiffness = foundation(fresh_radius, np.sqrt(fresh_radius**2 + 2.0 * kept))
-    # Of the load of 1, the limit bears what lies on the print, and an elastic rim the rest.
-    limit = np.sqrt((kept * stiffness) ** 2 + stiffness * along**0.5 / np.pi) - kept * stiffness
-    limit[kept == 0.0] = 1e9
+    stiffness = _FRESH * foundation(fresh_radius, np.sqrt(fresh_radius**2 + 2.0 * kept))
+    limit = np.array([_limit_of(own, 1.5 / (np.pi * fresh_radius**2)) for own in kept.tolist()])
     places, own, most = fine.s.size - 1, stiffness[:, None, None], limit[:, None, None]
     unworn, approach = 0.5 * (along * fine.x**2 + fine.y[:, None] ** 2), kept + 0.1 * fresh_radius**2
     for at in [*range(places), *range(places, -places, -1), *range(-places, places + 1)]:
@@ -374,4 +373,13 @@ def _printed(kept: Array, stroke: float, fresh_radius: float, along: float) -> t
         moving += closed
     for of_wires, found in ((wires.fixed, fine.fixed), (wires.moving, fine.moving)):
         of_wires[...] = 0.5 * (found + found[:, :, ::-1])[:, ::_FINER, ::_FINER]
-    return wires, limit / _EDGES
+    return wires, limit
+
+
+def _limit_of(kept: float, peak: float) -> float:
+    """Limit of pressures under which bodies keep an approach (`reference.kept_approach`); peak: the elastic contact's
+    largest pressure.
+    """
+    if kept == 0.0:
+        return 1e9
+    return float(brentq(lambda limit: (1.0 - (limit / peak) ** 1.5) / (2.0 * np.pi * limit) - kept, 1e-6, peak))
