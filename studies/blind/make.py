@@ -204,6 +204,7 @@ def truth_of(case: Case, made: MadeRecord, redrawn: int) -> dict[str, Any]:
         "redrawn": redrawn,
         "left_out": list(case.left_out),
         "gap_in_scatter": made.gap_in_scatter,
+        "weaker_in_scatter": made.weaker_in_scatter,
         "differences": dict(made.differences),
         "nominal": asdict(case.nominal),
         "nuisances": asdict(made.nuisances),

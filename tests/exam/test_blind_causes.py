@@ -167,7 +167,7 @@ def gaps_in_scatters(effect: str, points: int = 10) -> dict[str, float]:
         for place, test in enumerate(drawn_nominals(3, np.random.default_rng(77))):
             true = TrueEffect(effect, drawn_parameters(effect, ease, test, np.random.default_rng(place)))
             case = Case("a case", "outside", ease, (true,), (), test, nuisances, 1)
-            found.append(max(model.differences(case).values()))
+            found.append(max(model.sized(case)[0].values()))
     return {ease: float(np.median(found)) for ease, found in size.items()}
 
 

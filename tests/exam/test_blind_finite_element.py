@@ -119,7 +119,7 @@ def test_records_of_finite_elements_are_read_without_a_remark(
     tier: str, monkeypatch: pytest.MonkeyPatch, tmp_path: Path
 ) -> None:
     monkeypatch.setattr(model, "run", a_run)
-    monkeypatch.setattr(IndependentModel, "differences", lambda _self, case: {"height": float(len(case.effects))})
+    monkeypatch.setattr(IndependentModel, "sized", lambda _self, case: ({"height": float(len(case.effects))}, 0.0))
     generator = generator_of(tier)
     for case in planned_cases(3, 2, generator.library, generator.outside):
         made = generator.make(case)

@@ -1,5 +1,6 @@
 """Simulators by others: each against closed forms, and records of the tier T3."""
 
+from collections.abc import Sequence
 from dataclasses import replace
 from math import pi, sqrt
 from pathlib import Path
@@ -11,7 +12,8 @@ import pytest
 from studies.blind import generator_of, make_batch
 from studies.blind.causes import causes_of
 from studies.blind.errors import BlindError
-from studies.blind.generators.cases import KINDS_OF_OTHERS, planned_cases
+from studies.blind.generators.cases import KINDS_OF_OTHERS, TrueEffect, planned_cases
+from studies.blind.generators.generator import weaker_of
 from studies.blind.generators.other_simulators.causes import SIZES, sizes
 from studies.blind.generators.other_simulators.foundation import Foundation
 from studies.blind.generators.other_simulators.half_space import HalfSpaces, HalfSpaceWires
@@ -23,8 +25,8 @@ from studies.blind.generators.other_simulators.model import (
     Contact,
     OtherSimulators,
     contact_of,
-    differences,
     simulated,
+    sized,
     world_of,
 )
 from studies.blind.generators.other_simulators.pair import Layer, Touch
@@ -157,12 +159,11 @@ def test_a_ball_in_partial_slip_loses_what_mindlin_and_deresiewicz_say(reached: 
         diameter_mm=12.7, load_N=40.0, friction=0.6, cycles=300, stiffness_N_per_mm=stiffness, spring_N_per_mm=0.0
     )
     limit, rest = ball.friction * ball.load_N, 1.0 - reached
-    slides_mm = ball.friction * ball.easier * 2.0 * ball.hertz_mm**2 / ball.diameter_mm
-    given_mm = slides_mm * (1.0 - rest ** (2.0 / 3.0)) + (reached * limit / stiffness if stiffness else 0.0)
+    given_mm = ball.gives_mm * (1.0 - rest ** (2.0 / 3.0)) + (reached * limit / stiffness if stiffness else 0.0)
     test = replace(ball, amplitude_um=1e3 * given_mm)
     found = figures(simulated(test, world_of(test), (300,)).channels[300])
     assert found["max_tangential_force_N"] == pytest.approx(reached * limit, rel=5e-3)
-    assert found["dissipated_energy_mJ"] == pytest.approx(limit * slides_mm / 1.5 * cyclic_loss(reached), rel=0.02)
+    assert found["dissipated_energy_mJ"] == pytest.approx(limit * ball.gives_mm / 1.5 * cyclic_loss(reached), rel=0.02)
 
 
 @pytest.mark.seconds
@@ -212,10 +213,41 @@ def test_a_large_effect_or_cause_stands_out_and_a_small_one_less(name: str, monk
     logger = replace(logger, has_scars=True, has_normal_force=True, evolution_cycles=(30, 300, 3000))
     true, found = world_of(test), []
     for ease in ("hard", "easy"):
-        changed = true.with_effect(name, sizes(name, ease, test, np.random.default_rng(5)))
-        found.append(max(differences(test, true, changed, logger).values()))
+        effect = TrueEffect(name, sizes(name, ease, test, np.random.default_rng(5)))
+        found.append(max(sized(test, true, logger, (effect,))[0].values()))
     assert 0.0 < found[0] < found[1]
     assert found[1] > 2.0
+
+
+def test_the_weaker_of_two_effects_has_the_size_that_the_other_one_cannot_imitate() -> None:
+    directions = {"a": np.array([8.0, 0.0, 1.0]), "b": np.array([8.0, 2.0, 1.0]), "c": np.array([-4.0, 0.0, -0.5])}
+
+    def over_scatter(acting: Sequence[TrueEffect]) -> np.ndarray:
+        return np.array(sum(one.parameters["size"] * directions[one.effect] for one in acting))
+
+    # Of the first, 2 · 65/69 lies across the second.
+    for second, left in (("b", 130.0 / 69.0), ("c", 0.0)):
+        effects = tuple(TrueEffect(name, {"size": 1.0}) for name in ("a", second))
+        assert weaker_of(effects, over_scatter, over_scatter(effects)) == pytest.approx(left, abs=1e-3)
+    assert weaker_of(effects[:1], over_scatter, directions["a"]) == 0.0
+
+
+def test_noise_and_an_unsure_contact_hide_what_little_slip_shows() -> None:
+    ball = StickingTest(
+        diameter_mm=12.7, load_N=40.0, friction=0.6, cycles=300, stiffness_N_per_mm=None, spring_N_per_mm=0.0
+    )
+    test = replace(ball, amplitude_um=200.0 * ball.gives_mm)
+    logger = replace(drawn_logger(test, np.random.default_rng(3)), evolution_cycles=(100, 200, 300))
+    contact_N_per_mm = 1.5 * test.friction * test.load_N / test.gives_mm
+    lag = TrueEffect("sensor_lag", {"time_s": 1e-3})
+    spring = TrueEffect("tangential_compliance", {"stiffness_N_per_mm": 30.0 * contact_N_per_mm})
+    found = []
+    for times in (1.0, 50.0):
+        loud = replace(logger, displacement_noise_um=times * logger.displacement_noise_um)
+        found.append([sized(test, world_of(test), loud, (one,))[0]["energy last"] for one in (lag, spring)])
+    assert found[1][0] < 0.3 * found[0][0]
+    # A spring that takes as much as the contact's compliance is unsure by is one scatter.
+    assert found[0][1] == pytest.approx(1.0, abs=0.2)
 
 
 def test_tests_by_others_are_of_many_kinds_and_never_shared_between_sets() -> None:

@@ -22,20 +22,15 @@ def drawn_parameters(effect: str, ease: str, nominal: Nominal, random: np.random
     return {name: float(f"{value:.5g}") for name, value in size(draw).items()}
 
 
-def _tangential(d: Draw) -> dict[str, float]:
-    return {"stiffness_N_per_mm": 1e3 * d.plateau_N / d.length_um(0.6, 8.0)}
-
-
 def _rotational(d: Draw) -> dict[str, float]:
     arm = d.random.uniform(8.0, 50.0)
     return {"stiffness_N_mm_per_rad": 1e3 * arm**2 * d.plateau_N / d.length_um(0.6, 8.0), "arm_mm": arm}
 
 
 def _friction_evolution(d: Draw) -> dict[str, float]:
-    friction = d.nominal.friction
     return {
-        "initial": friction * (1.0 + d.between(0.04, 0.3) * d.sign(0.3)),
-        "final": friction * d.random.uniform(0.98, 1.02),
+        "initial": d.nominal.friction * (1.0 + d.between(0.04, 0.3) * d.sign(0.3)),
+        "final": d.nominal.friction * d.random.uniform(0.98, 1.02),
         "cycles": d.cycles,
     }
 
@@ -60,17 +55,9 @@ def _oxygenation(d: Draw) -> dict[str, float]:
     return {"supply_W": density * reach**2, "starved_factor": d.between(0.7, 0.2)}
 
 
-def _load_drift(d: Draw) -> dict[str, float]:
-    return {"fraction_per_100k_cycles": d.between(0.03, 0.3) * d.sign(0.3) * 1e5 / max(d.nominal.cycles, 1e5)}
-
-
-def _lag(d: Draw) -> dict[str, float]:
-    return {"time_s": d.between(0.004, 0.06) / (2.0 * np.pi * d.nominal.frequency_Hz)}
-
-
 #: Parameters of each effect of the library as drawn, with the contract's names and units.
 DRAWS: Mapping[str, Callable[[Draw], dict[str, float]]] = {
-    "tangential_compliance": _tangential,
+    "tangential_compliance": lambda d: {"stiffness_N_per_mm": 1e3 * d.plateau_N / d.length_um(0.6, 8.0)},
     "rotational_compliance": _rotational,
     "free_play": lambda d: {"gap_um": d.length_um(0.6, 6.0)},
     "friction_offset": lambda d: {"friction": d.nominal.friction * (1.0 + d.between(0.02, 0.18) * d.sign())},
@@ -81,11 +68,13 @@ DRAWS: Mapping[str, Callable[[Draw], dict[str, float]]] = {
     "plasticity": lambda d: {"flattening_um": d.between(0.3, 4.0)},
     "crossing_angle_error": lambda d: {"angle_deg": d.between(1.0, 8.0) * d.sign()},
     "misalignment": lambda d: {"angle_deg": d.between(0.15, 2.5) * d.sign()},
-    "normal_load_drift": _load_drift,
+    "normal_load_drift": lambda d: {
+        "fraction_per_100k_cycles": d.between(0.03, 0.3) * d.sign(0.3) * 1e5 / max(d.nominal.cycles, 1e5)
+    },
     "wear_rate_offset": lambda d: {"factor": d.between(1.1, 2.2) ** d.sign()},
     "wear_rate_evolution": _wear_evolution,
     "displacement_gain": lambda d: {"gain": 1.0 + d.between(0.01, 0.12) * d.sign()},
     "displacement_load_coupling": _coupling,
     "force_crosstalk": lambda d: {"coefficient": d.between(0.003, 0.04) * d.sign()},
-    "sensor_lag": _lag,
+    "sensor_lag": lambda d: {"time_s": d.between(0.004, 0.06) / (2.0 * np.pi * d.nominal.frequency_Hz)},
 }

@@ -21,6 +21,7 @@ from studies.blind.scoring.statistics import (
 #: Edges of the gap's size in scatters of one test; the aims hold above 5.
 GAP_EDGES = (0.0, 2.0, 5.0, 10.0, 20.0, float("inf"))
 LARGE_GAP = 5.0
+PAIR_GAP = 3.0  #: Pairs count as seen whose weaker effect changes a figure by more than this beyond the other.
 SHRINK_REGRET = 0.05  #: Largest loss of shrink against an oracle, in parts of one.
 
 
@@ -147,9 +148,13 @@ def _area(opened: Sequence[Judgement], known: Sequence[Judgement]) -> dict[str, 
 
 
 def _pairs(judgements: Sequence[Judgement]) -> dict[str, Any]:
-    found = [j.pair_found or 0 for j in _of(judgements, "pair")]
+    pairs = _of(judgements, "pair")
+    found = [j.pair_found or 0 for j in pairs]
     return {
         "both": share([count == 2 for count in found]).to_json(),
+        "both_large": share(
+            [j.pair_found == 2 for j in pairs if (j.truth.weaker_in_scatter or 0.0) > PAIR_GAP]
+        ).to_json(),
         "at_least_one": share([count >= 1 for count in found]).to_json(),
     }
 

@@ -24,6 +24,8 @@ class Truth:
     effects: tuple[str, ...]
     parameters: Mapping[str, Mapping[str, float]]
     gap_in_scatter: float
+    #: What the weaker of two effects changes beyond the other, see `weaker_of`; None where it is unknown.
+    weaker_in_scatter: float | None = None
 
     @classmethod
     def of_key(cls, data: Mapping[str, Any]) -> "Truth":
@@ -35,6 +37,7 @@ class Truth:
             effects=tuple(effect["effect"] for effect in data["effects"]),
             parameters={effect["effect"]: dict(effect["parameters"]) for effect in data["effects"]},
             gap_in_scatter=float(data["gap_in_scatter"]),
+            weaker_in_scatter=data.get("weaker_in_scatter"),
         )
 
     @property

@@ -71,6 +71,7 @@ def aim_rows(report: Mapping[str, Any]) -> list[AimRow]:
         _share("effects left out of the library: right", opened["left_out_right"]),
         _share("known effects left unexplained", opened["known_rejected"]),
         _share("pairs: both named", report["pairs"]["both"]),
+        _share("pairs whose weaker effect is above 3 scatters: both", report["pairs"].get("both_large", NOT_REPORTED)),
         _share("pairs: at least one named", report["pairs"]["at_least_one"]),
         _number("shrink predicted, mean", shrink["predicted"]),
         _number("shrink achieved, mean", shrink["achieved"]),

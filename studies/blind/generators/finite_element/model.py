@@ -113,9 +113,9 @@ class FiniteElementModel:
         kept = np.random.default_rng((case.seed, _SPECIMENS)).random() < self.several
         case = replace(case, nuisances=_affordable(case.nuisances, self.numerics, 3 if kept else 1))
         random = np.random.default_rng(case.seed)
-        differences = IndependentModel().differences(case)
+        sizes = IndependentModel().sized(case)
         tests = [self._repeat(case, repeat, random) for repeat in range(1, case.nuisances.repeats + 1)]
-        return MadeRecord(record_of(case, tests), case.nuisances, differences)
+        return MadeRecord(record_of(case, tests), case.nuisances, *sizes)
 
     def _repeat(self, case: Case, repeat: int, random: np.random.Generator) -> LoggedTest:
         draw = case.nuisances.specimen(random)

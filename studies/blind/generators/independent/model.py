@@ -1,6 +1,7 @@
 """Tier T2: records of cases made by the independent model."""
 
 from collections.abc import Iterator, Mapping, Sequence
+from contextlib import contextmanager
 from dataclasses import dataclass, replace
 from functools import lru_cache
 
@@ -10,9 +11,9 @@ from scipy.interpolate import RegularGridInterpolator
 
 from studies.blind.causes import causes_of
 from studies.blind.generators import sampling
-from studies.blind.generators.cases import Case
+from studies.blind.generators.cases import Case, TrueEffect
 from studies.blind.generators.files import scar_lines_um
-from studies.blind.generators.generator import LIBRARY_EFFECTS, MadeRecord
+from studies.blind.generators.generator import LIBRARY_EFFECTS, MadeRecord, weaker_of
 from studies.blind.generators.independent.foundation import Grid
 from studies.blind.generators.independent.sensing import Reading, read
 from studies.blind.generators.independent.wear_test import POINTS, Snapshot, grid_of, snapshots
@@ -60,28 +61,37 @@ class IndependentModel:
         random = np.random.default_rng(case.seed)
         true = self.true_world(case)
         tests: list[sampling.LoggedTest] = []
-        try:
+        with _slipping(case):
             for repeat in range(1, case.nuisances.repeats + 1):
                 world = with_drive(with_specimens(true, case.nuisances.specimen(random)), case.nuisances)
                 tests.append(_repeat(world, case, repeat, self.points, random))
-            differences = _differences(case, true, self)
-        except ArithmeticError as error:
-            raise RunError(f"{case.name} cannot be made: {error}") from error
-        return MadeRecord(sampling.record_of(case, tests), case.nuisances, differences)
+        return MadeRecord(sampling.record_of(case, tests), case.nuisances, *self.sized(case))
 
-    def differences(self, case: Case) -> dict[str, float]:
-        """What the case's effects change: figures of the readings and scars, each over one test's scatter.
-        Raises RunError if the contact does not slip.
+    def sized(self, case: Case) -> tuple[dict[str, float], float]:
+        """What the case's effects change: figures of the readings and scars, each over one test's scatter; and what the
+        weaker of two changes, see `weaker_of`. Raises RunError if the contact does not slip.
+
+        The shape of a loop counts as one figure: the root of the mean square over the phases. Figures that the record
+        does not hold, of scars or of the normal force, do not count.
         """
-        try:
-            return _differences(case, self.true_world(case), self)
-        except ArithmeticError as error:
-            raise RunError(f"{case.name} cannot be made: {error}") from error
+        if not case.effects:
+            return {}, 0.0
+        with _slipping(case):
+            return _sized(case, self)
 
     def true_world(self, case: Case) -> World:
         """The world with a case's effects in it."""
         stated = nominal_world(case.nominal, self.law, held_on_sensor=case.nuisances.drive == "sensor")
         return with_effects(stated, case)
+
+
+@contextmanager
+def _slipping(case: Case) -> Iterator[None]:
+    """Raises RunError where the world's contact does not slip."""
+    try:
+        yield
+    except ArithmeticError as error:
+        raise RunError(f"{case.name} cannot be made: {error}") from error
 
 
 def _repeat(world: World, case: Case, repeat: int, points: int, random: np.random.Generator) -> sampling.LoggedTest:
@@ -115,32 +125,26 @@ def _depths(grid: Grid, snapshot: Snapshot) -> tuple[tuple[str, Array, Array], .
     return ("moving", snapshot.shapes.moving, grid.moving_x_mm), ("fixed", snapshot.shapes.fixed, grid.x_mm)
 
 
-def _differences(case: Case, true: World, model: IndependentModel) -> dict[str, float]:
-    """Differences of figures between the true and the assumed world, each over one test's scatter.
-
-    The shape of a loop counts as one figure: the root of the mean square over the phases. Figures that the record does
-    not hold, of scars or of the normal force, do not count.
-    """
-    if not case.effects:
-        return {}
+def _sized(case: Case, model: IndependentModel) -> tuple[dict[str, float], float]:
     cycles = tuple(sorted({max(round(part * case.nominal.cycles), 1) for part in COMPARED}))
     held = case.nuisances.drive == "sensor"
     expected, sensitivities = expected_figures(case.nominal, model, cycles, held)
-    found = figures_of(true, cycles, model.points)
     scatter = figure_scatter(expected, sensitivities, case)
-    differences: dict[str, float] = {}
-    for name, values in found.items():
-        if is_recorded(name, case):
-            ratio = (values - expected[name]) / scatter[name]
-            differences[name] = round(float(np.sqrt(np.mean(ratio**2))), 3)
-    return differences
+    lacks = [] if case.nuisances.has_scars else ["scar"]
+    lacks += [] if case.nuisances.has_normal_force else ["normal_force"]
+    names = [name for name in expected if not name.startswith(tuple(lacks))]
+    ends = np.cumsum([expected[name].size for name in names])
 
+    def over_scatter(effects: Sequence[TrueEffect]) -> Array:
+        found = figures_of(model.true_world(replace(case, effects=tuple(effects))), cycles, model.points)
+        return np.concatenate([(found[name] - expected[name]) / scatter[name] for name in names])
 
-def is_recorded(figure: str, case: Case) -> bool:
-    """Whether a record of the case holds what a figure is taken from."""
-    if figure.startswith("scar"):
-        return case.nuisances.has_scars
-    return case.nuisances.has_normal_force or not figure.startswith("normal_force")
+    def by_figure(changes: Array) -> list[float]:
+        return [round(float(np.sqrt(np.mean(part**2))), 3) for part in np.split(changes, ends[:-1])]
+
+    changed = over_scatter(case.effects)
+    weaker = weaker_of(case.effects, over_scatter, changed, lambda left: max(by_figure(left)))
+    return dict(zip(names, by_figure(changed), strict=True)), weaker
 
 
 @lru_cache(maxsize=64)

@@ -28,9 +28,8 @@ def differences(nominal: RunResult, true: RunResult, changes: Sequence[Effect[An
         read_test(nominal, (), nothing, same, cycles), read_test(true, changes, case, same, cycles), strict=True
     )
     rows = [(_figures(before), _figures(after)) for (_, before), (_, after) in pairs]
-    scatter = _scatter(case)
     found = {
-        name: float(np.sqrt(np.mean([((a[name] - b[name]) / scatter(name, b)) ** 2 for b, a in rows])))
+        name: float(np.sqrt(np.mean([((a[name] - b[name]) / _scatter(case, b)[name]) ** 2 for b, a in rows])))
         for name in rows[0][0]
         if name != "normal_force_N" or case.nuisances.has_normal_force
     }
@@ -43,38 +42,31 @@ def _figures(channels: Channels) -> dict[str, float]:
     x, q, p = channels
     figures = dict(loop_figures(x, q))
     top, low = int(np.argmax(x)), int(np.argmin(x))
-    count = x.size
     # Travel from a reversal to half of the force, on either branch.
     half = 0.25 * float(np.ptp(q))
     falls, rises = np.roll(q, -top), np.roll(q, -low)
     down = int(np.argmax(falls < falls.max() - half))
     up = int(np.argmax(rises > rises.min() + half))
-    figures["stick_um"] = 0.5 * (float(x[top] - x[(top + down) % count]) + float(x[(low + up) % count] - x[low]))
+    figures["stick_um"] = 0.5 * (float(x[top] - x[(top + down) % x.size]) + float(x[(low + up) % x.size] - x[low]))
     figures["mean_force_N"] = float(q.mean())
     figures["normal_force_N"] = float(p.mean())
     return figures
 
 
-def _scatter(case: Case) -> Any:
+def _scatter(case: Case, before: Mapping[str, float]) -> dict[str, float]:
     own, nominal, samples = case.nuisances, case.nominal, np.sqrt(case.nuisances.samples / 8.0)
     force = own.force_noise_N / samples
     place = own.displacement_noise_um / np.sqrt(4.0)
-    friction = float(np.hypot(own.scatter.friction, own.scatter.load))
-
-    def size(name: str, before: Mapping[str, float]) -> float:
-        plateau = nominal.friction * nominal.load_N
-        sizes: dict[str, float] = {
-            "displacement_amplitude_um": max(place, 1e-3 * nominal.amplitude_um),
-            "slip_amplitude_um": float(np.hypot(place, 0.003 * nominal.amplitude_um)),
-            "max_tangential_force_N": float(np.hypot(force, friction * plateau)),
-            "dissipated_energy_mJ": float(np.hypot(0.003, friction)) * before["dissipated_energy_mJ"],
-            "stick_um": float(np.hypot(place, 0.05 * before["stick_um"])),
-            "mean_force_N": float(np.hypot(0.2 * own.force_noise_N, 0.002 * plateau)),
-            "normal_force_N": float(np.hypot(force, own.scatter.load * nominal.load_N)),
-        }
-        return sizes[name]
-
-    return size
+    friction, plateau = float(np.hypot(own.scatter.friction, own.scatter.load)), nominal.friction * nominal.load_N
+    return {
+        "displacement_amplitude_um": max(place, 1e-3 * nominal.amplitude_um),
+        "slip_amplitude_um": float(np.hypot(place, 0.003 * nominal.amplitude_um)),
+        "max_tangential_force_N": float(np.hypot(force, friction * plateau)),
+        "dissipated_energy_mJ": float(np.hypot(0.003, friction)) * before["dissipated_energy_mJ"],
+        "stick_um": float(np.hypot(place, 0.05 * before["stick_um"])),
+        "mean_force_N": float(np.hypot(0.2 * own.force_noise_N, 0.002 * plateau)),
+        "normal_force_N": float(np.hypot(force, own.scatter.load * nominal.load_N)),
+    }
 
 
 def _profile_differences(nominal: RunResult, true: RunResult, case: Case) -> dict[str, float]:

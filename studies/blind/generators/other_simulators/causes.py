@@ -97,15 +97,6 @@ class OtherCause(ABC):
         return force_N
 
 
-def _friction_evolution(d: Size) -> Sizes:
-    friction = d.test.friction
-    return {"initial": friction * (1.0 + d.either(0.03, 0.35)), "final": friction, "cycles": d.cycles}
-
-
-def _wear_evolution(d: Size) -> Sizes:
-    return {"initial_factor": 1.0 + d.between(0.3, 5.0), "final_factor": 1.0, "cycles": d.cycles}
-
-
 def _rotational(d: Size) -> Sizes:
     arm = d.any(5.0, 80.0)
     return {"stiffness_N_mm_per_rad": 1e3 * arm**2 * d.force_N / d.way_um(0.01, 0.15), "arm_mm": arm}
@@ -121,7 +112,11 @@ SIZES: Mapping[str, Callable[[Size], Sizes]] = {
     "rotational_compliance": _rotational,
     "free_play": lambda d: {"gap_um": d.way_um(0.01, 0.15)},
     "friction_offset": lambda d: {"friction": d.test.friction * (1.0 + d.either(0.02, 0.25))},
-    "friction_evolution": _friction_evolution,
+    "friction_evolution": lambda d: {
+        "initial": d.test.friction * (1.0 + d.either(0.03, 0.35)),
+        "final": d.test.friction,
+        "cycles": d.cycles,
+    },
     "roughness_compliance": lambda d: {"layer_um": d.between(0.5, 6.0), "cycles": d.cycles},
     "third_body": lambda d: {"retained_fraction": d.between(0.08, 0.6), "modulus_MPa": d.any(300.0, 5000.0)},
     "plasticity": lambda d: {"flattening_um": d.between(0.3, 4.0)},
@@ -129,7 +124,11 @@ SIZES: Mapping[str, Callable[[Size], Sizes]] = {
     "misalignment": lambda d: {"angle_deg": d.either(0.15, 3.0)},
     "normal_load_drift": lambda d: {"fraction_per_100k_cycles": 1e5 * d.either(0.02, 0.25) / d.test.cycles},
     "wear_rate_offset": lambda d: {"factor": float(d.between(1.1, 2.5) ** d.random.choice([-1.0, 1.0]))},
-    "wear_rate_evolution": _wear_evolution,
+    "wear_rate_evolution": lambda d: {
+        "initial_factor": 1.0 + d.between(0.3, 5.0),
+        "final_factor": 1.0,
+        "cycles": d.cycles,
+    },
     "displacement_gain": lambda d: {"gain": 1.0 + d.either(0.01, 0.15)},
     "displacement_load_coupling": _coupling,
     "force_crosstalk": lambda d: {"coefficient": d.either(0.003, 0.05)},

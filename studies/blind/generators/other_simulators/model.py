@@ -9,9 +9,9 @@ from typing import Any, cast
 import numpy as np
 
 from studies.blind.causes import causes_of, seam_of
-from studies.blind.generators.cases import Case
+from studies.blind.generators.cases import Case, TrueEffect
 from studies.blind.generators.files import line_record_tables, record_tables
-from studies.blind.generators.generator import LIBRARY_EFFECTS, OTHERS, MadeRecord
+from studies.blind.generators.generator import LIBRARY_EFFECTS, OTHERS, MadeRecord, weaker_of
 from studies.blind.generators.nominal import Nominal
 from studies.blind.generators.other_simulators import logger as logs
 from studies.blind.generators.other_simulators.foundation import FoundationWires
@@ -26,12 +26,14 @@ from studies.blind.generators.other_simulators.tests_drawn import (
     SIMULATORS,
     JointTest,
     LineTest,
+    StickingTest,
     Test,
     WireTest,
     drawn_tests,
     expected_pressure_MPa,
 )
 from studies.blind.generators.other_simulators.world import World
+from studies.blind.generators.sampling import loop_figures
 from wirewear.base.errors import RunError
 from wirewear.records import AnyRecord, ExperimentRecord, MeasuredProfile, MeasuredScar
 from wirewear.records.contact_tables import RECORDS, LineRecordTables
@@ -57,6 +59,8 @@ CANNOT = {
     "joint": (*OF_BODIES, *OF_WEAR),
 }
 WORN_SEAMS = ("wear", "specimens")  #: Where causes enter that only wear shows.
+#: Loggings from which the noise of figures is taken; of what full slip takes, 3 % of a sticking ball's compliance.
+LOGGED, LOOSER = 24, 0.02
 
 
 @dataclass(frozen=True, eq=False)
@@ -104,7 +108,6 @@ class OtherSimulators:
             raise RunError("tests of the tier T3 are drawn by its own simulators.")
         logger = drawn_logger(test, random)
         true = replace(world_of(test), drive=logger.drive)
-        changed = true.with_effects(case.effects)
         specimens = np.random.default_rng((case.seed, 4))
         loops, rows = [], []
         scars: list[MeasuredScar | MeasuredProfile] = []
@@ -117,18 +120,16 @@ class OtherSimulators:
                 wear_mm3_per_J=true.wear_mm3_per_J * draw.wear,
             )
             course = simulated(test, world.with_effects(case.effects), logger.evolution_cycles)
-            zeros = (draw.displacement_zero_um, draw.force_zero_N, 0.0)
+            zeros = draw.displacement_zero_um, draw.force_zero_N
             read = {cycle: (one[0] + zeros[0], one[1] + zeros[1], one[2]) for cycle, one in course.channels.items()}
-            kept = logger.loop_cycles[repeat - 1]
-            loops += [logs.logged_loop(logger, test, (repeat, cycle), read[cycle], random) for cycle in kept]
+            kept = {cycle: read[cycle] for cycle in logger.loop_cycles[repeat - 1]}
+            loops += [logs.logged_loop(logger, test, (repeat, cycle), one, random) for cycle, one in kept.items()]
             if logger.has_evolution:
                 rows.append(logs.logged_evolution(logger, repeat, read, random))
             if logger.has_scars:
                 scars.extend(logs.logged_scars(logger, test, repeat, course.scars, random))
-        tables = tables_of(case, test, logger)
-        record: AnyRecord = ExperimentRecord(tables, tuple(loops), tuple(rows), tuple(scars))
-        gap = differences(test, true, changed, logger) if case.effects else {}
-        return MadeRecord(record, logger, gap)
+        record: AnyRecord = ExperimentRecord(tables_of(case, test, logger), tuple(loops), tuple(rows), tuple(scars))
+        return MadeRecord(record, logger, *(sized(test, true, logger, case.effects) if case.effects else ({}, 0.0)))
 
 
 def world_of(test: Test) -> World:
@@ -256,23 +257,21 @@ def observed(test: Test, course: Course, logger: Logger, true: World) -> dict[st
     """Figures of a course by name, of three loops and of the scars, each with its scatter from test to test."""
     scatter, limit = logger.scatter, test.friction * test.load_N
     force = float(np.hypot(scatter.friction, scatter.load))
-    # No scale of a displacement is known better than a thousandth of the stroke.
-    read_um = np.hypot(logger.displacement_noise_um / np.sqrt(logger.samples), 1e-3 * test.amplitude_um)
-    place_um = float(
-        np.hypot(force * (1e3 * limit * true.compliance_mm_per_N + 0.03 * test.amplitude_um), 3.0 * read_um)
-    )
+    # No scale of a displacement is known better than a few thousandths of the stroke.
+    given_um = force * (1e3 * limit * true.compliance_mm_per_N + 0.03 * test.amplitude_um)
+    place_um = float(np.hypot(given_um, 3e-3 * test.amplitude_um))
     zero_N = float(np.hypot(0.2 * logger.force_noise_N, 2e-3 * limit))
     found: dict[str, tuple[float, float]] = {}
     cycles = list(course.channels)
     for name, cycle in zip(("first", "middle", "last"), (cycles[0], cycles[len(cycles) // 2], cycles[-1]), strict=True):
         place, read, normal = course.channels[cycle]
-        own, pull = logs.figures((place, read, normal)), read - read.mean()
-        off = (place - place.mean()) / np.ptp(place)
-        energy = own["dissipated_energy_mJ"]
+        amplitude, slip, largest, energy = loop_figures(place, read).values()
+        pull, off = read - read.mean(), (place - place.mean()) / np.ptp(place)
         found |= {
-            f"amplitude {name}": (own["displacement_amplitude_um"], place_um),
-            f"slip {name}": (own["slip_amplitude_um"], place_um),
-            f"largest force {name}": (own["max_tangential_force_N"], force * limit),
+            f"amplitude {name}": (amplitude, place_um),
+            f"slip {name}": (slip, place_um),
+            # No extreme is known better than a sample.
+            f"largest force {name}": (largest, float(np.hypot(force * limit, logger.force_noise_N))),
             f"energy {name}": (energy, energy * float(np.hypot(force, place_um / test.amplitude_um))),
             f"mean force {name}": (float(read.mean()), zero_N),
             f"plateau {name}": (float(np.abs(pull)[np.abs(off) < 0.1].mean()), force * limit),
@@ -281,10 +280,7 @@ def observed(test: Test, course: Course, logger: Logger, true: World) -> dict[st
         }
         if logger.has_normal_force:
             found[f"load {name}"] = float(normal.mean()), scatter.load * test.load_N
-            found[f"ripple {name}"] = (
-                0.5 * float(np.ptp(normal)),
-                float(np.hypot(logger.force_noise_N, 2e-3 * test.load_N)),
-            )
+            found[f"ripple {name}"] = 0.5 * np.ptp(normal), np.hypot(logger.force_noise_N, 2e-3 * test.load_N)
     if logger.has_scars:
         wear = float(np.hypot(scatter.wear, force))
         for body, (_, _, depth) in zip(("near", "far"), course.scars, strict=True):
@@ -293,11 +289,40 @@ def observed(test: Test, course: Course, logger: Logger, true: World) -> dict[st
     return found
 
 
-def differences(test: Test, true: World, changed: World, logger: Logger) -> dict[str, float]:
-    """What an effect changes of the figures over their scatter between tests, noise included."""
-    without = observed(test, _plain(test, true, logger.evolution_cycles), logger, true)
-    with_it = observed(test, simulated(test, changed, logger.evolution_cycles), logger, true)
-    return {name: round(abs(with_it[name][0] - value) / size, 3) for name, (value, size) in without.items()}
+def hidden(test: Test, course: Course, logger: Logger, true: World) -> dict[str, float]:
+    """What hides changes of the figures beside the scatter of specimens, as standard deviations by name: noise and
+    steps of the loops in a third of the test, and, where the contact sticks, how well anyone knows what it gives.
+    """
+    random, plain = np.random.default_rng(1), replace(logger, outlier_share=0.0, has_normal_force=True)
+    noisy = []
+    for _ in range(LOGGED):
+        loops = [logs.logged_loop(plain, test, (1, cycle), one, random) for cycle, one in course.channels.items()]
+        read = {x.cycle: (x.displacement_um, x.tangential_force_N, x.normal_force_N) for x in loops}
+        noisy.append(observed(test, replace(course, channels=cast("Any", read)), logger, true))
+    alike = max(len(logger.loop_cycles[0]) / 3.0, 1.0)
+    found = {name: float(np.std([one[name][0] for one in noisy]) / alike**0.5) for name in noisy[0]}
+    if isinstance(test, StickingTest):
+        softer = true.compliance_mm_per_N + LOOSER * test.gives_mm / (test.friction * test.load_N)
+        loose = _plain(test, replace(true, compliance_mm_per_N=softer), logger.evolution_cycles)
+        pairs = zip(
+            observed(test, loose, logger, true).items(), observed(test, course, logger, true).items(), strict=True
+        )
+        found = {name: float(np.hypot(found[name], one - own)) for (name, (one, _)), (_, (own, _)) in pairs}
+    return found
+
+
+def sized(test: Test, true: World, logger: Logger, effects: Sequence[TrueEffect]) -> tuple[dict[str, float], float]:
+    """What effects change of the figures over all that hides it, and the size of the weaker of two, see `weaker_of`."""
+    nominal = _plain(test, true, logger.evolution_cycles)
+    without, more = observed(test, nominal, logger, true), hidden(test, nominal, logger, true)
+    scatter = np.array([np.hypot(size, more[name]) for name, (_, size) in without.items()])
+
+    def over_scatter(acting: Sequence[TrueEffect]) -> Array:
+        found = observed(test, simulated(test, true.with_effects(acting), logger.evolution_cycles), logger, true)
+        return np.asarray([found[name][0] - value for name, (value, _) in without.items()] / scatter)
+
+    changed = over_scatter(effects)
+    return dict(zip(without, np.abs(changed).round(3).tolist(), strict=True)), weaker_of(effects, over_scatter, changed)
 
 
 def tables_of(case: Case, test: Test, logger: Logger) -> PointRecordTables | LineRecordTables:

@@ -2,7 +2,7 @@
 flats in partial slip, and joints.
 """
 
-from collections.abc import Sequence
+from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass, replace
 from math import cos, pi, radians
 from typing import Any, ClassVar
@@ -80,10 +80,14 @@ class WireTest(Nominal):
         return float((1.0 - abs(cos(radians(self.crossing_angle_deg)))) ** -0.5)
 
     @property
+    def gives_mm(self) -> float:
+        """What half-spaces give way by where all slides (Mindlin)."""
+        return self.friction * self.easier * 2.0 * self.hertz_mm**2 / self.diameter_mm
+
+    @property
     def sensible(self) -> bool:
         """Whether it slides over most of its stroke and wears a scar that can be measured."""
-        scar, amplitude = self.expected_scar_mm, 1e-3 * self.amplitude_um
-        taken = self.friction * self.easier * 2.0 * self.hertz_mm**2 / self.diameter_mm
+        scar, amplitude, taken = self.expected_scar_mm, 1e-3 * self.amplitude_um, self.gives_mm
         if self.stiffness_N_per_mm is not None:
             taken += self.friction * self.load_N / self.stiffness_N_per_mm
         return (
@@ -183,15 +187,8 @@ def drawn_tests(number: int, simulators: Sequence[str], random: np.random.Genera
     drawn: list[Test] = []
     while len(drawn) < number:
         simulator = simulators[len(drawn) % len(simulators)]
-        test: Test
-        if simulator == "layers":
-            test = _drawn_line(random)
-        elif simulator == "sticking":
-            test = _drawn_sticking(random)
-        elif simulator == "joint":
-            test = _drawn_joint(random)
-        else:
-            test = _drawn_wires(simulator, random)
+        drawing = _of_others.get(simulator)
+        test = drawing(random) if drawing else _drawn_wires(simulator, random)
         if test.sensible:
             drawn.append(test)
     return tuple(drawn)
@@ -237,12 +234,13 @@ def _drawn_sticking(random: np.random.Generator) -> StickingTest:
         stiffness_N_per_mm=None,
         spring_N_per_mm=0.0,
     )
-    # Mindlin's displacement of half-spaces, and springs of a fifth to five times the contact's stiffness.
-    slides_mm = friction * test.easier * 2.0 * test.hertz_mm**2 / test.diameter_mm
-    given_mm = slides_mm * (1.0 - (1.0 - reached) ** (2.0 / 3.0))
+    # Springs of a fifth to five times the contact's stiffness.
+    given_mm = test.gives_mm * (1.0 - (1.0 - reached) ** (2.0 / 3.0))
     stiffness = None
     if random.random() > 0.25:
-        stiffness = float(f"{friction * test.load_N / slides_mm * np.exp(random.uniform(-1.0, 1.0) * np.log(5.0)):.3g}")
+        stiffness = float(
+            f"{friction * test.load_N / test.gives_mm * np.exp(random.uniform(-1.0, 1.0) * np.log(5.0)):.3g}"
+        )
         given_mm += reached * friction * test.load_N / stiffness
     return replace(test, amplitude_um=float(f"{1e3 * given_mm:.3g}"), stiffness_N_per_mm=stiffness)
 
@@ -292,6 +290,10 @@ def _drawn_line(random: np.random.Generator) -> LineTest:
         stiffness_N_per_mm=None if random.random() < 0.4 else _stiffness(friction * load, amplitude, random),
         heights_mm=(float(random.choice([2.0, 2.5, 3.0])), float(random.choice([3.0, 5.0, 8.0]))),
     )
+
+
+_of_others: Mapping[str, Callable[[np.random.Generator], Test]]
+_of_others = {"layers": _drawn_line, "sticking": _drawn_sticking, "joint": _drawn_joint}
 
 
 def _digits(random: np.random.Generator, low: float, high: float, digits: int = 2) -> float:
