@@ -23,10 +23,12 @@ from wirewear.diagnosis.infer.covariance import (
     tolerated,
 )
 from wirewear.diagnosis.infer.inference import Problem
+from wirewear.diagnosis.infer.search import problem_around
 from wirewear.diagnosis.observe import Site, channels
 from wirewear.diagnosis.observe.along_branches import BEYOND, PEAK, PlateauForce, Stick, peak_N
 from wirewear.diagnosis.observe.measured_loops import _force_noise, _usual, reduced_loop
 from wirewear.diagnosis.observe.reduction import Layout, Observations, all_observables, reduce
+from wirewear.effects.holder import Plasticity
 from wirewear.loops.noise import (
     correlated_noise,
     correlation_of,
@@ -62,6 +64,21 @@ def test_the_mean_of_one_repeat_is_that_repeat_however_much_its_numbers_share_of
     noise = observed.noise * np.geomspace(1e-5, 1.0, len(observed.layout))
     shared = replace(observed, noise=noise, alike=np.ones((1, noise.size, noise.size)))
     assert covariance_of(shared).mean == pytest.approx(observed.values[0], rel=1e-12)
+
+
+@pytest.mark.seconds
+def test_forces_under_a_stated_yield_stress_are_known_no_better_than_half_of_what_it_changes_them() -> None:
+    observed, wires = reduce(record(repeats=1)), replace(states(), stroke_um=60.0)
+    stated = replace(nominal("sensor"), print_um=1.0)
+    plateau = observed.layout.of_kind(PlateauForce)
+    before, after = observed.layout.computed(wires, stated, stated.with_effect(Plasticity(yield_stress_MPa=1e5)))
+    expected = estimate(wires, stated, observed).numerical
+    more = np.diag(problem_around(wires, stated, stated, observed)[1].numerical - expected)
+    assert np.sqrt(more[plateau].min()) > 0.5 * np.abs(after - before)[plateau].max() > 1e-3
+    elastic = nominal("sensor")
+    assert np.all(
+        problem_around(wires, elastic, elastic, observed)[1].total == estimate(wires, elastic, observed).total
+    )
 
 
 @pytest.mark.seconds
