@@ -123,9 +123,7 @@ class ContactConditions:
         was not. given: True to keep the nodes in contact that were.
         """
         layers, friction, normal = self.system.layers, self.system.friction, solution.normal
-        shear, closure, softness = self._laws.shear, self._laws.closure, self._laws.softness
-        if layers is not None or self.system.late is not None:
-            shear = sheared(self.system, normal)[0]
+        shear, closure, softness = sheared(self.system, normal)[0], self._laws.closure, self._laws.softness
         if layers is not None:
             closure, softness = layers.closure(normal)
             if layers.yielding is not None and about is not None:
