@@ -30,8 +30,11 @@ exam.goes_on = dict.fromkeys(("make", "diagnose"), "the same command goes on wit
     show_default=True,
     help="T3: simulators by others; L1: line contacts; A1: wires at any angle; B1: balls on flats.",
 )
-@click.option("--law", help="Friction law of the tier T2: dahl, iwan, weakening or bouc; simulators of T3: "
-              "development, scoring, sticking (partial slip) or joints.  [default: dahl, development]")  # fmt: skip
+@click.option(
+    "--law",
+    help="Friction law of the tier T2: dahl, iwan, weakening or bouc; simulators of T3: development, scoring, sticking "
+    "(partial slip), joints or programmes.  [default: dahl, development]",
+)
 @outside_option
 @click.option(
     "--tests", type=click.IntRange(1), default=10, show_default=True, help="Different nominal tests among them."

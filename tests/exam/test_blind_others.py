@@ -33,6 +33,7 @@ from studies.blind.generators.other_simulators.pair import Layer, Touch
 from studies.blind.generators.other_simulators.rig import Loop, periodic_loop, readings
 from studies.blind.generators.other_simulators.tests_drawn import (
     SIMULATORS,
+    Block,
     JointTest,
     LineTest,
     StickingTest,
@@ -182,6 +183,23 @@ def test_bodies_lose_what_their_energy_asks_for(simulator: str) -> None:
     assert volumes[1] / sum(volumes) == pytest.approx(world.moving_share, rel=1e-3)
     for _, _, depth in course.scars:
         assert depth == pytest.approx(depth[::-1, ::-1])
+
+
+def test_blocks_that_take_turns_have_their_own_loads_and_strokes_and_wear_one_scar() -> None:
+    blocks = Block(400, 3.0, 40.0), Block(1100, 2.0, 24.0)
+    test = replace(WIRES, simulator="foundation", blocks=blocks)
+    assert test.ends == (400, 1500, 1900, 3000)
+    world, cycles = world_of(test), (1, 400, 401, 1500, 1501, 1900, 1901, 3000)
+    course = simulated(test, world, cycles)
+    found = [figures(one) for one in course.channels.values()]
+    strokes = [one["displacement_amplitude_um"] for one in found]
+    assert strokes == pytest.approx([40.0, 40.0, 24.0, 24.0, 40.0, 40.0, 24.0, 24.0], rel=1e-3)
+    normal = [float(one[2].mean()) for one in course.channels.values()]
+    assert normal == pytest.approx([3.0, 3.0, 2.0, 2.0, 3.0, 3.0, 2.0, 2.0], rel=0.02)
+    energy = np.array([one["dissipated_energy_mJ"] for one in found]).reshape(4, 2).mean(axis=1)
+    worked_J = 1e-3 * float(energy @ [400, 1100, 400, 1100])
+    worn = sum(float(depth.sum()) * (x[1] - x[0]) * (y[1] - y[0]) for x, y, depth in course.scars)
+    assert worn == pytest.approx(world.wear_mm3_per_J * worked_J, rel=0.02)
 
 
 @pytest.mark.seconds

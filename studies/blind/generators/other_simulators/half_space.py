@@ -40,7 +40,7 @@ class HalfSpaces:
     def press(self, gap_mm: Array, load_N: float, local: Array | float) -> tuple[Array, float]:
         """Pressures under a load and the approach; begins from the last solution."""
         total = load_N / self.cell
-        guess = self.pressure if self.pressure.any() else np.where(gap_mm < np.quantile(gap_mm, 0.05), 1.0, 0.0)
+        guess = self.pressure if self.pressure.any() else np.where(gap_mm <= np.quantile(gap_mm, 0.05), 1.0, 0.0)
         pressure = guess * (total / guess.sum())
         along, last, keep, approach = np.zeros_like(gap_mm), 1.0, 0.0, 0.0
         for _ in range(MOST_ITERATIONS):

@@ -32,8 +32,9 @@ def drawn_logger(test: Test, random: np.random.Generator) -> Logger:
     """A record's logger, drawn without a look at its effect: a third have one repeat, a third no evolution."""
     repeats = int(random.choice([1, 2, 3, 4], p=[0.34, 0.2, 0.32, 0.14]))
     peak, period = test.friction * test.load_N, 1.0 / test.frequency_Hz
-    snapshots = np.unique(np.round(np.geomspace(max(10.0, test.cycles / 2000.0), test.cycles, SNAPSHOTS)).astype(int))
-    kept = random.random(snapshots.size) < KEPT
+    snapshots = np.round(np.geomspace(max(10.0, test.cycles / 2000.0), test.cycles, SNAPSHOTS)).astype(int)
+    snapshots = np.unique([*snapshots, *test.ends])
+    kept = (random.random(snapshots.size) < KEPT) | np.isin(snapshots, test.ends)
     kept[[0, -1]] = True
     depth_um = (
         250.0 * test.expected_scar_mm**2 / (test.radius_mm if isinstance(test, LineTest) else 0.5 * test.diameter_mm)

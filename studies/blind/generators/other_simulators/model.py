@@ -157,6 +157,10 @@ def world_of(test: Test) -> World:
         least_slip=0.35 if test.slides else -inf,
         stated_friction=test.friction,
         stated_load_N=test.load_N,
+        programme=tuple(
+            (block.cycles, block.load_N / test.load_N, block.amplitude_um / test.amplitude_um)
+            for block in ([] if isinstance(test, LineTest) else test.blocks)
+        ),
     )
 
 
@@ -202,26 +206,31 @@ def simulated(test: Test, world: World, snapshots: Sequence[int]) -> Course:
     half_slip = 0.9 * world.amplitude_mm
     if world.flattening_mm > 0.0:
         pair.flatten(world.flattening_mm, half_slip)
-    now, load, first_approach = 0.0, world.load_N, None
+    now, first_approach = 0.0, None
     touch, settled, channels = None, None, {}
-    for following in _schedule(snapshots, GROWTH[test.simulator]):
-        layer = world.layer_at(now)
+    load = world.during(now).load_N
+    stops = sorted({*snapshots, *test.ends, *(end + 1 for end in test.ends[:-1])})
+    for following in _schedule(stops, GROWTH[test.simulator]):
+        here = world.during(now)
+        layer = here.layer_at(now)
+        if now - 1.0 in test.ends:
+            half_slip, load = 0.9 * here.amplitude_mm, here.load_at(now, pair.approach_mm - (first_approach or 0.0))
         pressed = load, layer, pair.sweeps
-        if touch is None or (now in snapshots and pressed != settled):
+        if touch is None or (now in stops and pressed != settled):
             settled = pressed
             pair.settle(load, layer)
             touch = pair.touch(load, half_slip, layer)
             first_approach = touch.approach_mm if first_approach is None else first_approach
-            load = world.load_at(now, touch.approach_mm - first_approach)
-        loop = periodic_loop(world, now, load, touch, pair)
+            load = here.load_at(now, touch.approach_mm - first_approach)
+        loop = periodic_loop(here, now, load, touch, pair)
         half_slip = max(loop.half_slip_mm, 0.0)
         if now in snapshots:
-            channels[int(now)] = readings(world, now, loop)
+            channels[int(now)] = readings(here, now, loop)
         if following > now:
-            volume = 1e-3 * world.wear_at(now, following) * loop.work_mJ * (following - now)
-            load = world.load_at(0.5 * (now + following), touch.approach_mm - (first_approach or 0.0))
+            volume = 1e-3 * here.wear_at(now, following) * loop.work_mJ * (following - now)
+            load = here.load_at(0.5 * (now + following), touch.approach_mm - (first_approach or 0.0))
             if test.wears:
-                pair.sweep(load, half_slip, volume / load, world.moving_share, layer)
+                pair.sweep(load, half_slip, volume / load, here.moving_share, layer)
         now = following
     return Course(channels, scars_of(pair))
 
@@ -331,6 +340,8 @@ def tables_of(case: Case, test: Test, logger: Logger) -> PointRecordTables | Lin
     scatter = {"friction": round(known.friction, 4), "normal_load": round(known.load, 4), "wear": round(known.wear, 3)}
     more: dict[str, Any] = {"scatter": scatter} if logger.states_scatter else {}
     if isinstance(test, WireTest):
+        if test.blocks:
+            more["programme"] = [block.table for block in test.blocks]
         plain = record_tables(replace(case, nuisances=logger)).model_dump(mode="json", exclude_unset=True)
         return cast("PointRecordTables", RECORDS[test.kind].model_validate({**plain, **more}))
     plain = line_record_tables(test, case.name, logger.stated_noise).model_dump(mode="json", exclude_unset=True)

@@ -1,5 +1,5 @@
 """Tests by others: wires of other materials, sizes and angles than the article's, lines on shallow bodies, balls on
-flats in partial slip, and joints.
+flats in partial slip, joints, and wires under programmes of blocks.
 """
 
 from collections.abc import Callable, Mapping, Sequence
@@ -19,6 +19,7 @@ SIMULATORS = {
     "scoring": ("half_space", "layers", "half_space"),
     "sticking": ("sticking",),
     "joints": ("joint",),
+    "programmes": ("blocks",),
 }
 
 #: Aluminium, titanium, bronze, zirconia's like, steel: Young's modulus and Poisson's ratio.
@@ -42,14 +43,31 @@ MOST_TAKEN, WIDEST, DEPTHS_mm, LEAST_mJ, LENGTHS = 0.25, 0.4, (1e-3, 0.05), 5e-3
 REACHED, STROKES_um, LARGEST_MPa = (0.3, 0.97), (0.4, 20.0), 2500.0
 #: Of joints: part of the stroke that their own stiffness takes, and by how much their sliders' limits differ.
 JOINT_TAKES, SPREAD = (0.02, 0.35), (0.0, 0.2)
+#: Of programmes: load and stroke of a block over the largest ones, and how often the blocks take turns.
+LIGHTER, SHORTER, TURNS = (0.5, 1.0), (0.5, 0.9), (1, 4)
+
+
+@dataclass(frozen=True)
+class Block:
+    """Cycles under a load and a stroke of their own."""
+
+    cycles: int
+    load_N: float
+    amplitude_um: float
+
+    @property
+    def table(self) -> dict[str, Any]:
+        """A block of a record's programme."""
+        own = {"normal_load_N": self.load_N, "displacement_amplitude_um": self.amplitude_um}
+        return {"cycles": self.cycles, "conditions": own}
 
 
 @dataclass(frozen=True)
 class WireTest(Nominal):
     """Crossed wires, and who simulates them.
 
-    slides, wears: whether the contact must slide, and whether it wears. shares: of the load, at which partial slip is
-    traced.
+    blocks: of cycles, which take turns; none if load and stroke remain. slides, wears: whether the contact must slide,
+    and whether it wears. shares: of the load, at which partial slip is traced.
     """
 
     slides: ClassVar[bool] = True
@@ -58,6 +76,15 @@ class WireTest(Nominal):
 
     simulator: str = "foundation"
     crossing_angle_deg: float = 90.0
+    blocks: tuple[Block, ...] = ()
+
+    @property
+    def ends(self) -> tuple[int, ...]:
+        """Cycles with which its blocks end."""
+        if not self.blocks:
+            return ()
+        lengths = [block.cycles for block in self.blocks]
+        return tuple(np.cumsum(lengths * (self.cycles // sum(lengths))).tolist())
 
     @property
     def modulus_MPa(self) -> float:
@@ -105,6 +132,7 @@ class LineTest(LineNominal):
 
     slides: ClassVar[bool] = True
     wears: ClassVar[bool] = True
+    ends: ClassVar[tuple[int, ...]] = ()
 
     simulator: str = "layers"
     elongation: float = 1.0
@@ -219,6 +247,20 @@ def _drawn_wires(simulator: str, random: np.random.Generator) -> WireTest:
     )
 
 
+def _drawn_in_blocks(random: np.random.Generator) -> WireTest:
+    """Wires of which two or three blocks take turns in any order; one has the test's own load and stroke."""
+    test = _drawn_wires("half_space", random)
+    count, turns = int(random.integers(2, 4)), int(random.integers(*TURNS))
+    shares = random.dirichlet([4.0] * count)
+    blocks = [Block(max(int(test.cycles * shares[0] / turns), 50), test.load_N, test.amplitude_um)]
+    for share in shares[1:]:
+        load, stroke = test.load_N * random.uniform(*LIGHTER), test.amplitude_um * random.uniform(*SHORTER)
+        blocks.append(Block(max(int(test.cycles * share / turns), 50), float(f"{load:.2g}"), float(f"{stroke:.2g}")))
+    order = random.permutation(count)
+    cycles = turns * sum(block.cycles for block in blocks)
+    return replace(test, cycles=cycles, blocks=tuple(blocks[place] for place in order))
+
+
 def _drawn_sticking(random: np.random.Generator) -> StickingTest:
     modulus, ratio = MATERIALS_MPa[random.integers(len(MATERIALS_MPa))]
     friction, reached = round(random.uniform(0.3, 0.95), 2), random.uniform(*REACHED)
@@ -293,7 +335,7 @@ def _drawn_line(random: np.random.Generator) -> LineTest:
 
 
 _of_others: Mapping[str, Callable[[np.random.Generator], Test]]
-_of_others = {"layers": _drawn_line, "sticking": _drawn_sticking, "joint": _drawn_joint}
+_of_others = {"layers": _drawn_line, "sticking": _drawn_sticking, "joint": _drawn_joint, "blocks": _drawn_in_blocks}
 
 
 def _digits(random: np.random.Generator, low: float, high: float, digits: int = 2) -> float:

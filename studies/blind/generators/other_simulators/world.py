@@ -3,7 +3,7 @@
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass, replace
 from functools import reduce
-from math import exp, inf, prod, radians
+from math import ceil, exp, inf, prod, radians
 from typing import Any
 
 import numpy as np
@@ -16,7 +16,10 @@ from studies.blind.generators.other_simulators.pair import Array, Layer
 
 @dataclass(frozen=True)
 class World:
-    """One test; mm, N, MPa, s, unless named otherwise. `causes` are those of no library."""
+    """One test; mm, N, MPa, s, unless named otherwise.
+
+    programme: cycles of each block, and its load and stroke over those of the test. `causes` are those of no library.
+    """
 
     friction: float
     load_N: float
@@ -49,6 +52,16 @@ class World:
     #: Share of the stroke that must slip.
     least_slip: float = 0.35
     causes: tuple[OtherCause, ...] = ()
+    programme: tuple[tuple[int, float, float], ...] = ()
+
+    def during(self, cycle: float) -> "World":
+        """The world under the load and the stroke of the block to which a cycle belongs."""
+        if not self.programme:
+            return self
+        ends = np.cumsum([cycles for cycles, _, _ in self.programme])
+        within = (max(ceil(cycle), 1) - 1) % ends[-1]
+        _, load, stroke = self.programme[int(np.searchsorted(ends, within, side="right"))]
+        return replace(self, load_N=self.load_N * load, amplitude_mm=self.amplitude_mm * stroke)
 
     def with_effect(self, effect: str, given: Mapping[str, float]) -> "World":
         """The world with an effect of the contract, by its parameters there, or with a cause of no library."""
