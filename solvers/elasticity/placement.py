@@ -25,6 +25,7 @@ _ALIKE = 2.0  #: Elements whose sizes differ by less than this factor are correc
 # Meshes are mirrored to the last bit, their compliance to round-off of the factorisation.
 _PLACE_TOLERANCE_mm = 1e-10
 _COMPLIANCE_TOLERANCE = 1e-8
+_ROUND_OFF = 1e-6  #: Of a power of `_ALIKE`.
 _KINDS = 2  #: Elements larger than the finest by more than so many of these factors are corrected as those are.
 
 
@@ -211,11 +212,16 @@ def facing(primary: PlacedBody, secondary: PlacedBody) -> PlacedBody:
     turn = secondary.world_to_patch @ primary.world_to_patch.T
     finest = (*_finest(primary.patch), *_finest(secondary.patch))
     sizes = _sizes(primary, secondary)[folded.piece_nodes()]
-    steps = np.clip(np.rint(np.log(sizes / finest) / log(_ALIKE) - 1e-6), -_KINDS, _KINDS)
-    kinds, kind = np.unique(steps.astype(int), axis=0, return_inverse=True)
-    near = _near_fields(kinds, finest, own, other, turn)
+    steps, weights = _steps(np.log(sizes / finest) / log(_ALIKE))
     # Alike lattices answer with displacements that go with one over their size.
-    share = (finest * _ALIKE**steps / sizes)[:, :2].prod(axis=1) ** 0.5
+    shares = (finest * _ALIKE**steps / sizes[:, None])[..., :2].prod(axis=-1) ** 0.5
+    kinds, places = np.unique(steps.reshape(-1, 4).astype(int), axis=0, return_inverse=True)
+    near = _near_fields(kinds, finest, own, other, turn)
+    parts = np.concatenate([places.reshape(weights.shape), weights * shares / shares[:, :1]], axis=1)
+    mixed, kind = np.unique(parts.round(12), axis=0, return_inverse=True)
+    count = weights.shape[1]
+    near = sum(mixed[:, count + k, *[None] * 4] * near[mixed[:, k].astype(int)] for k in range(count))
+    share = shares[:, 0]
     return replace(primary, folded=folded.with_neighbours(near, kind.ravel(), share))
 
 
@@ -230,6 +236,26 @@ def coated(primary: PlacedBody, own: Coating | None, other: Coating | None) -> P
     patch = CoatedPatch(primary.patch, primary.folded, (own, other))
     left = patch.left_mm(*np.zeros((2, primary.patch.size)))
     return replace(primary, folded=patch.compliance(left), coats=(patch, left))
+
+
+def _steps(logs: Array) -> tuple[Array, Array]:
+    """(n, 5, 4) powers of `_ALIKE` between which corrections of n nodes are interpolated, and their weights (n, 5).
+    logs: (n, 4) the powers by which the elements about a node are larger than the finest.
+
+    Where elements are larger than in the middle of a patch, as outside a contact, the nearest power serves. Towards a
+    contact's rim they may be smaller: there each of the four powers is lowered in turn, the one with most to go first.
+    """
+    nearest = np.clip(np.rint(logs - 1e-6), -_KINDS, _KINDS)
+    inner = logs < -_ROUND_OFF
+    upper = np.where(inner, np.ceil(np.maximum(logs, -_KINDS)), nearest)
+    lacks = np.where(inner, upper - np.maximum(logs, -_KINDS), 0.0)
+    order = np.argsort(-lacks, axis=1, kind="stable")
+    sorted_lacks = np.take_along_axis(lacks, order, axis=1)
+    bounds = np.pad(sorted_lacks, ((0, 0), (1, 1)), constant_values=((0, 0), (1.0, 0.0)))
+    lowered = np.cumsum(np.eye(4)[order], axis=1)
+    steps = upper[:, None] - np.pad(lowered, ((0, 0), (1, 0), (0, 0)))
+    weights = bounds[:, :-1] - bounds[:, 1:]
+    return np.where(weights[..., None] > 0.0, steps, upper[:, None]), weights
 
 
 def _near_fields(kinds: IntArray, finest: tuple[float, ...], own: Bricks, other: Bricks, turn: Array) -> Array:

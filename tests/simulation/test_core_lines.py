@@ -19,6 +19,8 @@ from wirewear.simulation.discretisation import discretise
 from wirewear.simulation.expected_contact import Ellipse
 from wirewear.simulation.meshes import core_stages
 from wirewear.test import parse_study, study_from_tables
+from wirewear.verification import hertz
+from wirewear.verification.partial_slip import FRICTION
 from wirewear.verification.partial_slip_run import held_force_shape, held_force_study
 
 
@@ -138,8 +140,17 @@ def test_what_wears_of_a_line_contact_under_a_held_force_is_what_its_core_leaves
 
 
 @pytest.mark.slow
-@pytest.mark.parametrize("share", [0.3, 0.9, 0.95])
+@pytest.mark.parametrize("share", [0.2, 0.3, 0.9, 0.95])
 def test_what_wears_of_a_ball_under_a_held_force_is_what_its_core_leaves_of_the_load(share: float) -> None:
-    """At 0.95 the worn annulus ends at 1.8 times the fresh contact's radius, which meshes must reach."""
-    worn = simulate(held_force_study(share), fidelity="quick").worn_volume_mm3
-    assert float(worn[-1]) / held_force_shape(share)[1] == pytest.approx(1.0, abs=0.08)
+    """At 0.95 the worn annulus ends at 1.8 times the fresh contact's radius, which meshes must reach. At 0.2 what slips
+    at first is an element wide.
+    """
+    run = simulate(held_force_study(share), fidelity="quick")
+    assert float(run.worn_volume_mm3[-1]) / held_force_shape(share)[1] == pytest.approx(1.0, abs=0.05)
+    first, load = run.evolution, 40.0
+    radius = reference.hertz_point(load, 6.35, hertz.CONTACT_MODULUS_MPa).contact_radius_mm
+    slip = reference.partial_slip_point(
+        load, FRICTION, radius, reference.tangential_contact_modulus(hertz.STEEL, hertz.STEEL)
+    )
+    exact = reference.energy_per_cycle(slip, float(first["max_tangential_force_N"][0]))
+    assert float(first["dissipated_energy_mJ"][0]) == pytest.approx(exact, rel=0.05)

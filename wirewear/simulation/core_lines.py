@@ -13,7 +13,8 @@ not used (Jäger, Arch. Appl. Mech. 65 (1995) 478).
 from collections.abc import Callable, Sequence
 from dataclasses import replace
 from functools import cached_property, lru_cache
-from math import ceil, pi, sqrt
+from itertools import product
+from math import ceil, pi
 from typing import NamedTuple
 
 import numpy as np
@@ -21,7 +22,6 @@ import scipy
 
 from geometry import EdgeGradedAxis, GradedAxis, RimGradedAxis
 from geometry.arrays import Array, BoolArray, IntArray
-from solvers.stress.pressing import depth_by_rectangle
 from wirewear.reference import LineContact, worn_under_load
 from wirewear.reference.cattaneo_mindlin import cyclic_loss
 from wirewear.simulation.control import unused_friction
@@ -29,19 +29,17 @@ from wirewear.simulation.expected_contact import Ellipse
 from wirewear.test import LineStudy
 
 #: By how much lines are stretched at most, and how many stretches are tried.
-_STRETCH, _TRIED = 0.07, 141
+_STRETCH, _TRIED = 0.07, 71
 _SHARES = (0.5, 0.55, 0.6, 0.65, 0.7, 0.75)  #: How their sizes fall towards the rim.
 _BEYOND = 0.02  #: Of an element: by how much nodes may lie beyond the outline and stick, of Hertz's contacts.
 _COARSER = 5.0  #: Elements in the middle of a flat contact, where nothing changes quickly, over those at its edges.
 _MIDDLE = 1e-9  #: Of the outline: nodes as near to its middle lie there.
 #: Of an element: nodes nearer to the outline within and beyond it might slip or stick.
 _CLEAR = -0.12, 0.1
-#: Of how many lines of nearly one area what wears is found, of the core's area and then of the one that its stiffness
-#: needs; and loops of how many of these.
-_FITS, _LOOPS = (1, 96), 32
-#: Of an element: by how much a punch of finite elements is larger than one of as many cells of even pressure that are
-#: held at their middles. Runs of balls on 8 and 12 elements a radius wear as cells with 0.05 to 0.07.
-_LARGER = 0.06
+#: Of how many lines of nearly one area errors are found: of the core's area, then of the one that its stiffness needs.
+_FITS = 1, 128
+_DEEPEST, _DOUBT = 0.1, 0.5  #: Weights of the largest depth, which few nodes have, and of nodes near the outline.
+_APART = 4.0  #: Distance of two cells over their sides beyond which a series serves for how one displaces the other.
 _AROUND, _OUTWARDS = 32, 300  #: Places at which what wears is integrated: over a quarter turn, and along a radius.
 _ABOUT, _NEARLY_ALL = np.array([0.95, 1.0, 1.05]), 0.995  #: Forces over that of the core; over µP at most.
 _TOUCHING = 1.15  #: Of the contact's axes: nodes beyond do not touch.
@@ -67,8 +65,8 @@ class _Cells(NamedTuple):
 
     @property
     def stiffness(self) -> float:
-        """`punch_stiffness` of a punch of finite elements with these nodes."""
-        return punch_stiffness(*self[:4]) * (1.0 + _LARGER * sqrt(pi / len(self.x)))
+        """`punch_stiffness` of these cells."""
+        return punch_stiffness(*self[:4])
 
 
 @lru_cache(maxsize=16)
@@ -96,17 +94,15 @@ def fitted_to_core(lines: _Lines, contact: Ellipse, share: float, axial_rad: flo
         found |= set(nearest)
         area *= (right / cells[nearest[-1]].stiffness) ** 2
     worn = _WornGap(contact, share)
-    wear = {
-        one: abs(_wear_error(worn, tried[one], cells[one].sticks, axial_rad)) + cells[one].unclear
-        for one in sorted(found)
-    }
 
     def off(place: int) -> float:
-        """Sum of the errors of what wears and of the loop's energy, which count alike."""
-        loop = loop_error(tried[place], contact, share, axial_rad)
-        return wear[place] + float(np.sqrt(np.mean(loop**2)))
+        """Weighted sum of the errors of what wears, of the loop's energy and of the largest depth."""
+        part, depths = _pressed(tried[place], worn, axial_rad)
+        volume, deepest = map(abs, _wear_errors(worn, part, depths, cells[place].sticks))
+        loop = float(np.sqrt(np.mean(_loop_error(worn, part, depths) ** 2)))
+        return _DOUBT * cells[place].unclear + volume + _DEEPEST * deepest + loop
 
-    return tried[min(sorted(wear, key=wear.__getitem__)[:_LOOPS], key=off)]
+    return tried[min(sorted(found), key=off)]
 
 
 def core_of_line(study: LineStudy, contact_under: Callable[[float], LineContact]) -> float | None:
@@ -142,11 +138,34 @@ def loop_error(lines: _Lines, contact: Ellipse, share: float, axial_rad: float) 
     """Relative errors (k,) of the energies of a fresh contact's loops on these lines, of forces about that at which
     `share` of its axes sticks; nodes are cells of even pressure.
     """
-    cells = _Part.of(lines, contact, axial_rad)
-    cells = cells.chosen(np.hypot(cells.along, cells.across) < _TOUCHING)
-    gap, load = _gap(contact, cells.along, cells.across), _load(contact) / len(cells.sides)
-    q = np.minimum(_ABOUT * (1.0 - share**3), _NEARLY_ALL)
-    loads, approach = _unloaded(cells.compliance(cells), gap, cells.area, load, (1.0 - float(q[-1])) * load)
+    worn = _WornGap(contact, share)
+    return _loop_error(worn, *_pressed(lines, worn, axial_rad))
+
+
+def wear_error(lines: _Lines, contact: Ellipse, share: float, axial_rad: float) -> float:
+    """Relative error of the volume that wears on these lines, under a load that stays, until nothing is pressed but the
+    `share` of a contact's axes that sticks; nodes are cells of even pressure.
+    """
+    worn = _WornGap(contact, share)
+    return _wear_errors(worn, *_pressed(lines, worn, axial_rad), _within(lines, worn.core, axial_rad).sticks)[0]
+
+
+def _pressed(lines: _Lines, worn: "_WornGap", axial_rad: float) -> tuple["_Part", Array]:
+    """The n cells within which a contact wears, those of the m that may touch first, and their displacements (n, m) by
+    unit pressure on these.
+    """
+    cells = _Part.of(lines, worn.contact, axial_rad)
+    reach = np.hypot(cells.along, cells.across)
+    touch, count = reach < _TOUCHING, int((reach < _TOUCHING).sum())
+    part = cells.chosen(np.append(np.flatnonzero(touch), np.flatnonzero(~touch & (reach < worn.edge))))
+    return part, part.compliance(part.chosen(slice(count)))
+
+
+def _loop_error(worn: "_WornGap", part: "_Part", compliance: Array) -> Array:
+    contact, cells = worn.contact, part.chosen(slice(compliance.shape[1]))
+    gap, load = _gap(contact, cells.along, cells.across), worn.load / len(cells.sides)
+    q = np.minimum(_ABOUT * (1.0 - worn.share**3), _NEARLY_ALL)
+    loads, approach = _unloaded(compliance[: len(gap)], gap, cells.area, load, (1.0 - float(q[-1])) * load)
     force = np.unique([*(loads[0] - loads), *(q * load)])
     moved = np.interp(force, loads[0] - loads, approach[0] - approach)
     work = scipy.integrate.cumulative_trapezoid(force, moved, initial=0.0)
@@ -156,24 +175,14 @@ def loop_error(lines: _Lines, contact: Ellipse, share: float, axial_rad: float) 
     return np.asarray(enclosed / (right * load * _depth(contact)) - 1.0)
 
 
-def wear_error(lines: _Lines, contact: Ellipse, share: float, axial_rad: float) -> float:
-    """Relative error of the volume that wears on these lines, under a load that stays, until nothing is pressed but the
-    `share` of a contact's axes that sticks; nodes are cells of even pressure.
-    """
-    worn = _WornGap(contact, share)
-    return _wear_error(worn, lines, _within(lines, worn.core, axial_rad).sticks, axial_rad)
-
-
-def _wear_error(worn: "_WornGap", lines: _Lines, sticks: BoolArray, axial_rad: float) -> float:
-    cells = _Part.of(lines, worn.contact, axial_rad)
-    within = sticks.ravel()[cells.number]
-    core = cells.chosen(within)
-    around = cells.chosen(~within & (np.hypot(cells.along, cells.across) < worn.edge))
-    rows = np.block([[core.compliance(core), -np.ones((len(core.x), 1))], [core.area, np.zeros(1)]])
-    load = worn.load / len(cells.sides)
-    found = np.linalg.solve(rows, np.append(-_gap(worn.contact, core.along, core.across), load))
-    left = found[-1] - _gap(worn.contact, around.along, around.across) - around.compliance(core) @ found[:-1]
-    return float(len(cells.sides) * (np.maximum(left, 0.0) @ around.area) / worn.volume - 1.0)
+def _wear_errors(worn: "_WornGap", part: "_Part", compliance: Array, sticks: BoolArray) -> tuple[float, float]:
+    within, load = sticks.ravel()[part.number], worn.load / len(part.sides)
+    gap, core = _gap(worn.contact, part.along, part.across), within[: compliance.shape[1]]
+    rows = np.block([[compliance[within][:, core], -np.ones((core.sum(), 1))], [part.area[within], np.zeros(1)]])
+    found = np.linalg.solve(rows, np.append(-gap[within], load))
+    left = found[-1] - gap[~within] - compliance[~within][:, core] @ found[:-1]
+    volume = float(len(part.sides) * (np.maximum(left, 0.0) @ part.area[~within]))
+    return volume / worn.volume - 1.0, float(left.max()) / worn.deepest - 1.0
 
 
 class _WornGap:
@@ -189,6 +198,12 @@ class _WornGap:
     def edge(self) -> float:
         """Share of the contact's axes beyond which nothing wears: across a slender one larger than of a circle."""
         return 1.3 * worn_under_load(1.0, 1.0, 4.0 / 3.0, 1.0 - self.share**3).edge_radius_mm
+
+    @cached_property
+    def deepest(self) -> float:
+        """The largest gap on the contact's axes."""
+        radius = np.linspace(self.share, self.edge, _OUTWARDS)
+        return float(max(self.left(radius, 0.0 * radius).max(), self.left(0.0 * radius, radius).max()))
 
     @cached_property
     def volume(self) -> float:
@@ -238,7 +253,8 @@ def _gap(contact: Ellipse, along: Array, across: Array) -> Array:
 
 class _Part(NamedTuple):
     """Cells (n,) of a quarter of all nodes, or of half of them if the contact lies across the lines: others are their
-    images by the signs `sides`, and bear alike. Places and sizes are in mm, along and across in shares of its axes.
+    images by the signs `sides`, and bear alike. Middles and sizes of cells are in mm, places of nodes along and across
+    in shares of its axes.
     """
 
     number: IntArray  #: Of the node.
@@ -258,8 +274,8 @@ class _Part(NamedTuple):
         sides = [(1.0, 1.0), (-1.0, -1.0), *([] if askew else [(1.0, -1.0), (-1.0, 1.0)])]
         return cls(np.arange(len(x)), x, y, sizes[0], sizes[1], along, across, sides).chosen(chosen)
 
-    def chosen(self, which: BoolArray) -> "_Part":
-        """Some of these cells, marked (n,)."""
+    def chosen(self, which: BoolArray | IntArray | slice) -> "_Part":
+        """Some of these cells."""
         x, y, wide, high, along, across = (one[which] for one in self[1:-1])
         return _Part(self.number[which], x, y, wide, high, along, across, self.sides)
 
@@ -276,14 +292,16 @@ class _Part(NamedTuple):
         return self.weight * self.wide * self.high
 
     def compliance(self, by: "_Part") -> Array:
-        """(n, m) displacement at these cells by unit pressure on m others and on their images."""
-        found = by.weight * sum(
-            depth_by_rectangle(self.x[:, None] - side * by.x, self.y[:, None] - end * by.y, by.wide, by.high)
+        """(n, m) displacement of these cells by unit pressure on m others and on their images."""
+        found = sum(
+            depth_of_cells(self.x[:, None] - side * by.x, self.y[:, None] - end * by.y, self.sizes, by.sizes)
             for side, end in by.sides
         )
-        if by is self:
-            found -= np.diag(_LARGER * 0.5 * pi**2 * np.sqrt(by.wide * by.high))
-        return np.asarray(found)
+        return np.asarray(by.weight * found)
+
+    @property
+    def sizes(self) -> tuple[Array, Array]:
+        return self.wide, self.high
 
 
 def _unloaded(compliance: Array, gap: Array, area: Array, load: float, least: float) -> tuple[Array, Array]:
@@ -307,14 +325,22 @@ def _unloaded(compliance: Array, gap: Array, area: Array, load: float, least: fl
 
 
 def _placed(lines: _Lines, outline: Ellipse, axial_rad: float) -> tuple[Array, ...]:
-    """Places x, y and sizes along both axes, in mm, of the cells of all nodes, and places along and across an outline
-    in shares of its axes, (n, m) each.
+    """Middles x, y and sizes along both axes, in mm, of the cells of all nodes, and places of the nodes along and
+    across an outline in shares of its axes, (n, m) each.
     """
     x, y = lines[0].lines()[:, None], lines[1].lines()
     turn = outline.angle_rad - axial_rad
     along, across = x * np.cos(turn) + y * np.sin(turn), y * np.cos(turn) - x * np.sin(turn)
-    every = x, y, np.gradient(x[:, 0])[:, None], np.gradient(y), along / outline.major_mm, across / outline.minor_mm
+    wide, high = np.gradient(x[:, 0])[:, None], np.gradient(y)
+    # One body's nodes bear at their places, the other's what their hat functions gather around their middles.
+    middle, centre = x + _ahead(x[:, 0])[:, None], y + _ahead(y)
+    every = middle, centre, wide, high, along / outline.major_mm, across / outline.minor_mm
     return tuple(np.broadcast_arrays(*every))
+
+
+def _ahead(lines: Array) -> Array:
+    """Half the distance (n,) from each of n lines to the middle of its hat function."""
+    return np.pad(np.diff(lines, 2) / 6.0, 1)
 
 
 def _within(lines: _Lines, core: Ellipse, axial_rad: float) -> _Cells:
@@ -337,5 +363,33 @@ def punch_stiffness(x: Array, y: Array, wide: Array, high: Array) -> float:
     The punch is made of rectangles with middles (x, y) and sizes (wide, high), each (n,) in mm, under an even pressure
     each.
     """
-    depth = depth_by_rectangle(x[:, None] - x, y[:, None] - y, wide, high)
+    depth = depth_of_cells(x[:, None] - x, y[:, None] - y, (wide, high), (wide, high))
     return float((wide * high) @ np.linalg.solve(depth, np.ones(len(x))))
+
+
+def depth_of_cells(along: Array, across: Array, own: tuple[Array, Array], by: tuple[Array, Array]) -> Array:
+    """Mean displacement (n, m) of n rectangles on a half-space, into it, by unit pressure on m others, times π E*, in
+    mm: as finite elements are made to give it (`solvers.elasticity.patch_compliance`).
+
+    along, across: (n, m) distances of their middles in mm. own, by: their sizes, (n,) and (m,) each.
+    """
+    wide, high = (own[axis][:, None] ** 2 + by[axis] ** 2 for axis in (0, 1))
+    square = along**2 + across**2
+    near = np.nonzero(square < _APART**2 * np.maximum(wide, high))
+    square[near] = 1.0
+    second = wide * (3.0 * along**2 / square - 1.0) + high * (3.0 * across**2 / square - 1.0)
+    depth = (by[0] * by[1]) * (1.0 + second / (24.0 * square)) / np.sqrt(square)
+    i, j = near
+    exact, signs = np.zeros(len(i)), (0.5, -0.5)
+    for a, b, c, d in product(signs, repeat=4):
+        x = along[near] + a * own[0][i] + b * by[0][j]
+        y = across[near] + c * own[1][i] + d * by[1][j]
+        exact += 16.0 * a * b * c * d * _antiderivative(x, y)
+    depth[near] = exact / (own[0][i] * own[1][i])
+    return np.asarray(depth)
+
+
+def _antiderivative(x: Array, y: Array) -> Array:
+    """Of one over the distance, twice by each of both coordinates."""
+    x, y = np.maximum(np.abs(x), 1e-300), np.maximum(np.abs(y), 1e-300)
+    return np.asarray(0.5 * x * y * (y * np.arcsinh(x / y) + x * np.arcsinh(y / x)) - np.hypot(x, y) ** 3 / 6.0)
