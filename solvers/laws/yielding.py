@@ -74,10 +74,6 @@ class PressureLimit:
         ratio = np.minimum(self.first_yield_ratio + _GROWTH * np.log(beyond), max(_LARGEST, self.first_yield_ratio))
         return np.asarray(self.share_borne * ratio * (self.yield_stress_MPa + self.hardening_MPa * plastic))
 
-    def strain(self, load: float) -> float:
-        """Strain 0.2 a/R of the indentation, a the contact's radius, under a load in N (line contacts N/mm)."""
-        return float(self.first_yield_strain * max(load / self.first_yield_load, 0.0) ** _SPREADING)
-
     def at_nodes(self, load: ArrayLike, printed_mm: Array) -> YieldAtNodes:
         """The limits at k nodes under a load in N, one or (k,), with the prints `printed_mm` (k,) that both bodies
         together have already.

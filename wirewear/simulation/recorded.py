@@ -220,7 +220,7 @@ class Recorded(ABC):
         """Record the fresh contact under the normal load alone: largest pressure, and figures of laws and yielding."""
         self.tally.fresh = {"fresh_max_pressure_MPa": report.max_pressure}
         if problem.limit is not None:
-            self.tally.fresh |= limit_settings(problem, report)
+            self.tally.fresh |= limit_settings(problem, report, line=self.length_mm is not None)
         if not isnan(error := law_error(problem, state)):
             self.tally.fresh[_LAW_ERROR] = error
 

@@ -67,16 +67,20 @@ def spread_by_yield(limit: PressureLimit | None, load: float, pressure_MPa: floa
     return widened if line else sqrt(widened)
 
 
-def limit_settings(problem: ContactProblem, pressed: IncrementReport) -> dict[str, float]:
-    """Values that a result records of the pressure limit and the fresh contact, by key; empty without a limit."""
+def limit_settings(problem: ContactProblem, pressed: IncrementReport, *, line: bool) -> dict[str, float]:
+    """Values that a result records of the pressure limit and the fresh contact, by key; empty without a limit. line:
+    True for a line contact.
+    """
     limit = problem.limit
     if limit is None:
         return {}
     load = problem.holder.normal_load_N
+    first_mean_MPa = (0.25 * pi if line else 2.0 / 3.0) * limit.first_yield_ratio * limit.yield_stress_MPa
+    wider = pressed.contact_area * first_mean_MPa / limit.first_yield_load
     return {
         "fresh_yield_stress_MPa": limit.yield_stress_MPa,
         "fresh_first_yield_load_N": limit.first_yield_load,
         "fresh_pressure_limit_MPa": float(limit.limit_MPa(load)),
         "fresh_mean_pressure_over_yield": pressed.normal_force / pressed.contact_area / limit.yield_stress_MPa,
-        STRAIN: limit.strain(load),
+        STRAIN: limit.first_yield_strain * (wider if line else sqrt(wider)),
     }

@@ -70,11 +70,15 @@ def beyond_strength(result: RunResult) -> str:
     ratio = result.quality.get("pressure_against_strength", 0.0)
     if ratio <= limit_of("pressure_against_strength"):
         return ""
-    borne = float(result.settings[BORNE])
+    borne, yields = float(result.settings[BORNE]), "indentation_strain" in result.quality
+    state = (
+        "this lies beyond what plasticity was checked for"
+        if yields
+        else "such a state is impossible, as the bodies would flow, which is not simulated"
+    )
     return (
-        f"{result.label}: such a state is impossible, as the bodies would flow, which is not simulated: the "
-        f"pressure of {1e-3 * ratio * borne:.3g} GPa is more than the {1e-3 * borne:.3g} GPa that they bear "
-        f"({result.settings[BORNE_IS]}). "
+        f"{result.label}: {state}: the pressure of {1e-3 * ratio * borne:.3g} GPa is more than the {1e-3 * borne:.3g} "
+        f"GPa that they bear{' unhardened' * yields} ({result.settings[BORNE_IS]}). "
     )
 
 
