@@ -135,6 +135,15 @@ def test_sliding_prints_one_body_deeper_than_the_other_and_both_deeper_than_pres
     assert unit * printed.depth == pytest.approx(np.array([[0.60, 1.38], [0.39, 0.73]]), rel=0.26)
 
 
+@pytest.mark.parametrize("slip_um", [52.0, 150.0])
+def test_prints_are_followed_as_deep_as_the_softest_metal_keeps_them_and_no_deeper(slip_um: float) -> None:
+    own = replace(states(), slip_um=np.full(13, slip_um), stroke_um=slip_um)
+    radius_mm = 1e-3 * float(np.sqrt(own.fresh_area_um2 / np.pi))
+    softest = 120.0 / 4650.0 * 1.5 * 2.0 / (np.pi * radius_mm**2)
+    kept = 1e3 * kept_approach(2.0, radius_mm, 1e-3 * own.radius_um, softest)
+    assert 0.9 < own.flattened(slid=True).flattenings[-1] * slip_um**2 / own.radius_um / kept < 1.5
+
+
 def yield_MPa(flattening_um: float) -> float:
     """The yield stress of bodies that keep this approach."""
     mean_um, radius_mm = (states().fresh_area_um2 / np.pi) ** 0.5, 1e-3 * states().radius_um
