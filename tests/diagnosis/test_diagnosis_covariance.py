@@ -229,6 +229,32 @@ def test_normal_forces_along_the_stroke_scatter_as_their_errors_say_whatever_the
     assert np.std(deviations) == pytest.approx(0.8, abs=0.25)
 
 
+@pytest.mark.seconds
+def test_places_where_a_force_is_reached_do_not_move_with_the_converters_steps() -> None:
+    random, found = np.random.default_rng(4), {0.172: list[float](), 0.0: list[float]()}
+    for cycle in range(1, 7):
+        loop = noisy_loop(cycle, 0.0, random, count=500)
+        force = loop.tangential_force_N + 0.06 * random.standard_normal(500)
+        for step, values in found.items():
+            written = step * np.round(force / step) if step else force
+            read = reduced_loop(replace(loop, tangential_force_N=written), Noise(), 2.0)
+            lines = [Stick().line(read, Site(cycle, 1, level)) for level in (-0.3, 0.3)]
+            values.append(sum(line.value * sign for line, sign in zip(lines, (-1.0, 1.0), strict=True) if line))
+    assert np.mean(found[0.172]) == pytest.approx(np.mean(found[0.0]), abs=0.12)
+
+
+def test_what_bodies_give_by_the_way_they_are_held_is_in_doubt() -> None:
+    observed = reduce(record(repeats=2, evolution=False))
+    free, held = (
+        estimate(replace(states(), held_um_per_N=size), nominal("sensor"), observed).total for size in (0.0, 0.5)
+    )
+    (part,) = (part for part in observed.layout if part.observable.name == "stick")
+    # From the reversal on, where the force is the plateau's of the other branch.
+    passed_N = part.sites.level + 1.24
+    grown_um = np.sqrt(np.diag(held - free))[part.rows]
+    assert np.median(grown_um / passed_N) == pytest.approx(0.5, rel=0.15)
+
+
 COUNT = 400
 
 

@@ -30,8 +30,8 @@ FORCES = _OF_STICK.numbers("forces")
 #: one sample may catch any place: none is read within this share of the force.
 FEW_SAMPLES, SHELF_SHARE = _OF_STICK.count("few_samples"), _OF_STICK.number("shelf_share")
 
-#: Displacements are read from at most so many samples on a side.
-STICK_NEAR = constants("observe.along_branches.stick").count("stick_near")
+#: Displacements are read from at most so many samples on a side, and from those within so many of the force's steps.
+STICK_NEAR, STEPS_NEAR = _OF_STICK.count("stick_near"), _OF_STICK.number("steps_near")
 
 _OF_SHELF = constants("observe.along_branches.shelf")
 
@@ -88,7 +88,9 @@ class Stick(observable.ByLocalLines):
         # Samples of a shelf at Q = 0, which noise scatters about it, say nothing of the branch beyond it.
         apart = abs(site.level) - OUTLYING * loop.sample_noise_N
         window = FORCE_WINDOW * loop.mid_force_N
-        return displacement_at(branch, site.level, min(window, max(apart, 0.5 * window)), loop)
+        # Within less than the steps to either side, a level is that of the edge between two of them.
+        window = max(min(window, max(apart, 0.5 * window)), STEPS_NEAR * loop.force_step_N)
+        return displacement_at(branch, site.level, window, loop)
 
     def predict(self, predicted: PredictedLoops, sites: observable.Sites) -> Array:
         """Displacements (n,) in µm, linear between the model's points; a force beyond a loop's tips gives the end of

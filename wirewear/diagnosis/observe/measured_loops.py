@@ -122,6 +122,7 @@ class ReducedLoop:
     normal_error_N: float
     harmonics: ComplexArray
     sticks: bool = False  #: True if the loop is in partial slip.
+    force_step_N: float = 0.0  #: In which the force is written.
 
     @property
     def correlation(self) -> float:
@@ -174,9 +175,8 @@ def reduced_loop(measured: MeasuredLoop, stated: Noise, normal_load_N: float) ->
     pairs = [*zip(branches, shown, strict=True)]
     normal = [branch.normal_N[first:] for branch, first in pairs if branch.normal_N is not None]
     sliding = [(branch.displacement_um[first:], branch.force_N[first:]) for branch, first in pairs]
-    rounding_um, rounding_N = (
-        rounding_noise(step_of(values)) for values in (loop.displacement_um, loop.tangential_force_N)
-    )
+    step_um, step_N = (step_of(values) for values in (loop.displacement_um, loop.tangential_force_N))
+    rounding_um, rounding_N = rounding_noise(step_um), rounding_noise(step_N)
     noise, stretch, normal_noise = _noise_of_samples(sliding, normal, clean, stated, rounding_N)
     correlated = noise_of_neighbours(correlation_of(stretch))
     # Rounding is like none of its neighbours.
@@ -201,6 +201,7 @@ def reduced_loop(measured: MeasuredLoop, stated: Noise, normal_load_N: float) ->
         normal_N=means,
         normal_error_N=normal_error,
         sticks=sticks,
+        force_step_N=step_N,
         harmonics=harmonics_of(clean.time, period_of(clean.time, clean.raw_displacement_um), clean.raw_displacement_um),
     )
 

@@ -108,6 +108,8 @@ class WearStates:
     #: (m,) friction energies at which `worn_um3_per_mJ` (m,) of both bodies is known; empty if wear is proportional.
     energy_J: Array = field(default_factory=lambda: np.zeros(0))
     worn_um3_per_mJ: Array = field(default_factory=lambda: np.zeros(0))
+    #: Compliance of a sliding contact's bodies beyond that of half-spaces [µm/N], which hangs on how they are held.
+    held_um_per_N: float = 0.0
     #: Relative standard deviations, by name of the scatter, of quantities that the record does not state.
     unknown: Mapping[str, float] = field(default_factory=dict)
 
@@ -128,14 +130,16 @@ class WearStates:
                 **sticking_states(result, friction),
             )  # fmt: skip
         volume, *columns, scars, skews = rows
+        known = states_of(result, load, volume, volume * radius / columns[0] ** 4, scars, *columns)
         return cls(
+            held_um_per_N=max(1.0 / float(known["stiffness_N_per_um"][0]) - 1.0 / fresh, 0.0),
             radius_um=radius,
             friction=friction,
             normal_load_N=load,
             fresh_area_um2=1e6 * float(np.pi) * hertz_of(load, *bodies).contact_radius_mm ** 2,
             extra_skew=np.nan_to_num(skews + gap.shear),
             along=gap.along,
-            **states_of(result, load, volume, volume * radius / columns[0] ** 4, scars, *columns),
+            **known,
         )
 
     @property
@@ -150,8 +154,10 @@ class WearStates:
 
     @property
     def doubts(self) -> Mapping[str, float]:
-        """Standard deviations, by name, of unstated quantities that are the same in all repeats of the test."""
-        return self.unknown
+        """Standard deviations, by name, of unstated quantities that are the same in all repeats of the test: `unknown`
+        (relative), and "compliance" in µm/N, as large as what the way in which the bodies are held gives.
+        """
+        return {**self.unknown, **({"compliance": self.held_um_per_N} if self.held_um_per_N else {})}
 
     def model_error(self, kind: type[AnyEffect]) -> float:
         """Error of the fast model in the change that an effect of this class makes, relative to that change."""
