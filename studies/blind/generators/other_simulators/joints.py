@@ -9,10 +9,10 @@ from studies.blind.generators.other_simulators.pair import Array, Layer, Pair
 
 
 class OneCell:
-    """A square millimetre that bears the load and gives way by nothing."""
+    """Rigid bodies that touch over one cell of a square millimetre: pressure [MPa] is the load [N], approach 0 mm."""
 
     def press(self, gap_mm: Array, load_N: float, local: Array | float) -> tuple[Array, float]:  # noqa: ARG002
-        """The load as a pressure, and no approach."""
+        """Pressures [MPa] of the gaps' shape, equal to the load in N, and an approach of 0 mm."""
         return np.full_like(gap_mm, load_N), 0.0
 
 

@@ -198,7 +198,7 @@ class JointTest(WireTest):
 
     @property
     def stated(self) -> dict[str, float]:
-        """Friction alone."""
+        """`[stated]` of its record by key: the coefficient of friction, and no wear."""
         return {"friction": self.friction}
 
     @property
