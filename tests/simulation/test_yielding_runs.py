@@ -7,6 +7,7 @@ import numpy as np
 import pytest
 
 from solvers.stress.pressing import largest_MPa
+from tests.commands import wirewear
 from tests.studies import line_study
 from wirewear.reference import first_yield_ratio, kept_approach
 from wirewear.results import RunResult, read_result, write_result
@@ -126,6 +127,8 @@ def test_a_run_keeps_prints_beside_what_has_worn(run: RunResult, tmp_path: Path)
     assert kept is not None
     assert np.array_equal(kept, fixed.print_um)
     assert moving.print_um is not None
+    said = wirewear("strength", tmp_path / "result.h5", "--cycle", 1, "--body", "fixed", "--output", tmp_path / "s")
+    assert "yields at 1400 MPa from cycle 1" in said.output
 
 
 def near_zone(yield_MPa: float, friction: float) -> NearZone:

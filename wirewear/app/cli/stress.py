@@ -108,7 +108,7 @@ def asked_bodies(body: str, where: str, bodies: tuple[str, ...]) -> tuple[str, .
 @click.argument("result_path", metavar="RESULT", type=click.Path(path_type=Path))
 @recorded_cycles
 @BODY
-@click.option("--yield-strength", metavar="MPa", type=STRENGTH, help="Of the bodies' material.")
+@click.option("--yield-strength", metavar="MPa", type=STRENGTH, help="Of the bodies' material.  [default: as stated]")
 @click.option(
     "--crossland-slope",
     type=Finite(0.0),
@@ -172,7 +172,7 @@ def strength(
     every = [one for course in courses.values() for one in course]
     wide_console(110).print(strength_table(every))
     for course in courses.values():
-        if yield_strength is not None:
+        if course[0].asked.yield_strength_MPa is not None:
             click.echo(yield_sentence(course))
     written.append(write_strength_table(every, folder))
     click.echo(f"{len(written)} files are in {folder}")
@@ -188,6 +188,7 @@ def _assessing(
     from wirewear.app.api.run import one_run
     from wirewear.kinds import contacts_of
     from wirewear.stress.strength import assessable, strength_of
+    from wirewear.test import study_from_tables
 
     result = one_run(path)
     contacts = contacts_of(result)
@@ -197,7 +198,9 @@ def _assessing(
     for cycle in cycles:
         report_taken(cycle, result, bodies)
     chosen = {one: [*dict.fromkeys(assessable(result, one, cycle, asked, inside) for cycle in every)] for one in bodies}
-    return chosen, lambda one, cycle: strength_of(result, one, cycle, asked, inside)
+    stated = study_from_tables(result.study, result.label).tables.yields if asked.yield_strength_MPa is None else {}
+    limits = {one: replace(asked, yield_strength_MPa=own[0]) for one, own in stated.items() if own is not None}
+    return chosen, lambda one, cycle: strength_of(result, one, cycle, limits.get(one, asked), inside)
 
 
 def report_taken(cycle: float, result: RunResult, bodies: Iterable[str]) -> None:
