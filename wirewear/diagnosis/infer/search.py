@@ -46,9 +46,6 @@ _SHOWN = _KNOWN.number("shown")
 #: Scars alone: coordinates from which joint fits begin, and their steps.
 _PLACES, _FEW_ITERATIONS = _KNOWN.numbers("places"), _KNOWN.count("few_iterations")
 
-#: Bodies that yield nowhere.
-_ELASTIC = Plasticity(yield_stress_MPa=1e5)
-
 #: Explanations so many times the best's log evidence below it are hopeless.
 _HOPELESS = _KNOWN.number("hopeless")
 
@@ -179,8 +176,9 @@ def problem_around(
         law = max(effect.kind.law_error for effect in effects)
         covariance = with_model_error(states, setup, around, observed.layout, covariance, error, law)
     if setup.print_um > 0.0:
-        # What a stated yield stress changes is known no better.
-        error, law, elastic = Plasticity.model_error, Plasticity.law_error, setup.with_effect(_ELASTIC)
+        # What a stated yield stress changes is known no better; bodies of 100 GPa yield nowhere.
+        elastic = setup.with_effect(Plasticity(yield_stress_MPa=1e5))
+        error, law = Plasticity.model_error, Plasticity.law_error
         covariance = with_model_error(states, setup, elastic, observed.layout, covariance, error, law)
     problem = Problem.of(states, setup, observed.layout, covariance)
     return problem if before is None else replace(problem, known=before.known), covariance

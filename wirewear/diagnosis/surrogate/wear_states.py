@@ -57,7 +57,7 @@ _CONFORMAL_GROWTH = np.array([1.0, 0.5, 0.25, 0.25])
 
 #: Approach over the elastic contact's up to which prints are followed; the softest metal of interest, of 120 MPa under
 #: steel wires' 4 650 MPa, keeps 4.3.
-_SOFTEST = 5.6
+_SOFTEST = _KNOWN.number("deepest_print")
 
 #: Standard deviations of the fast model's numerical freedoms: how far it and other solvers differ without a gap.
 NUMERICAL: Mapping[str, float] = constants("surrogate.wear_states.freedoms").all()
