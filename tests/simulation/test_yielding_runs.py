@@ -192,5 +192,5 @@ def test_a_line_contact_far_beyond_first_yield_is_pressed_on_a_patch_that_holds_
     assert limit < largest < 1.03 * limit
     assert 0.5 * 1000.0 / limit < result.settings["patch_half_width_um"] * 1e-3
     assert float(result.evolution["print_pad_um"][-1]) > 1.0
-    # 0.2 a/R; Hertz' rim widens what bears the limit.
+    # 0.2 a/R; the elastic rim widens what carries the limit.
     assert result.quality["indentation_strain"] == pytest.approx(0.2 * 0.5 * 1000.0 / limit / 5.0, rel=0.25)

@@ -275,7 +275,7 @@ class _Part(NamedTuple):
         return cls(np.arange(len(x)), x, y, sizes[0], sizes[1], along, across, sides).chosen(chosen)
 
     def chosen(self, which: BoolArray | IntArray | slice) -> "_Part":
-        """Some of these cells."""
+        """A part of those cells that `which` marks (n,), or whose indices it holds."""
         x, y, wide, high, along, across = (one[which] for one in self[1:-1])
         return _Part(self.number[which], x, y, wide, high, along, across, self.sides)
 
@@ -390,6 +390,6 @@ def depth_of_cells(along: Array, across: Array, own: tuple[Array, Array], by: tu
 
 
 def _antiderivative(x: Array, y: Array) -> Array:
-    """Of one over the distance, twice by each of both coordinates."""
+    """The integral (n,) of 1/√(x² + y²), taken twice over x and twice over y, at distances x and y (n,) in mm."""
     x, y = np.maximum(np.abs(x), 1e-300), np.maximum(np.abs(y), 1e-300)
     return np.asarray(0.5 * x * y * (y * np.arcsinh(x / y) + x * np.arcsinh(y / x)) - np.hypot(x, y) ** 3 / 6.0)

@@ -158,8 +158,7 @@ def world_of(test: Test) -> World:
         stated_friction=test.friction,
         stated_load_N=test.load_N,
         programme=tuple(
-            (block.cycles, block.load_N / test.load_N, block.amplitude_um / test.amplitude_um)
-            for block in ([] if isinstance(test, LineTest) else test.blocks)
+            (block.cycles, block.load_N / test.load_N, block.amplitude_um / test.amplitude_um) for block in test.blocks
         ),
     )
 

@@ -132,6 +132,7 @@ class LineTest(LineNominal):
 
     slides: ClassVar[bool] = True
     wears: ClassVar[bool] = True
+    blocks: ClassVar[tuple[Block, ...]] = ()
     ends: ClassVar[tuple[int, ...]] = ()
 
     simulator: str = "layers"
