@@ -14,13 +14,12 @@ from geometry.arrays import Array
 from wirewear.diagnosis.infer.search import search
 from wirewear.diagnosis.observe.channels import half_width, loop_area
 from wirewear.diagnosis.observe.reduction import Observations, reduce
-from wirewear.diagnosis.record_diagnosis import judged
+from wirewear.diagnosis.record_diagnosis import Diagnosed, judged
 from wirewear.diagnosis.surrogate.forward import PredictedLoops, simulate
 from wirewear.diagnosis.surrogate.inputs import SurrogateInputs
 from wirewear.diagnosis.surrogate.nominal import nominal_study
 from wirewear.diagnosis.surrogate.nominal_model import nominal_inputs
 from wirewear.diagnosis.surrogate.wear_states import WearStates
-from wirewear.diagnosis.wording import Diagnosed
 from wirewear.effects import effect_named
 from wirewear.records import AnyRecord, ExperimentRecord, MeasuredEvolution, MeasuredLoop, RecordTables
 

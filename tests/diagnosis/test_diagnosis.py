@@ -26,12 +26,12 @@ from wirewear.diagnosis.infer.covariance import estimate
 from wirewear.diagnosis.infer.inference import Problem, fit
 from wirewear.diagnosis.observe.along_branches import PlateauForce
 from wirewear.diagnosis.observe.reduction import reduce
+from wirewear.diagnosis.record_diagnosis import Diagnosed
 from wirewear.diagnosis.surrogate.forward import simulate
 from wirewear.diagnosis.surrogate.loop_states import scar_skew
 from wirewear.diagnosis.surrogate.nominal import nominal_study, wearing
 from wirewear.diagnosis.surrogate.nominal_model import nominal_inputs
 from wirewear.diagnosis.surrogate.wear_states import WearStates
-from wirewear.diagnosis.wording import Diagnosed
 from wirewear.records import ExperimentRecord, read_record
 
 PLAY_um, COMPLIANCE_N_per_mm = 3.0, 300.0

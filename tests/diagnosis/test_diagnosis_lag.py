@@ -20,10 +20,10 @@ from wirewear.app.cli import cli
 from wirewear.diagnosis import Diagnosis
 from wirewear.diagnosis.observe.measured_loops import harmonics_of, motion_of, reduced_loop
 from wirewear.diagnosis.observe.reduction import reduce
+from wirewear.diagnosis.record_diagnosis import Diagnosed
 from wirewear.diagnosis.surrogate.forward import simulate
 from wirewear.diagnosis.surrogate.loop_states import SINE, FastMotion
 from wirewear.diagnosis.surrogate.sensing import late_forces, late_places
-from wirewear.diagnosis.wording import Diagnosed
 from wirewear.effects.holder import TangentialCompliance
 from wirewear.loops import LoopSignals, Sensor, SensorNoise
 from wirewear.records import ExperimentRecord, MeasuredLoop, record_of_result, write_record

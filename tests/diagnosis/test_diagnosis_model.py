@@ -23,6 +23,7 @@ from wirewear.diagnosis.infer.inference import Fit
 from wirewear.diagnosis.infer.shrink import Shrink
 from wirewear.diagnosis.infer.weighing import SEPARABLE, classes_of, weigh
 from wirewear.diagnosis.infer.where import GapFinding
+from wirewear.diagnosis.notes import of_pairs
 from wirewear.diagnosis.observe.channels import loop_area
 from wirewear.diagnosis.observe.observable import ModelLoops, Scale
 from wirewear.diagnosis.observe.reduction import _all_observables, reduce
@@ -31,7 +32,7 @@ from wirewear.diagnosis.surrogate.forward import simulate
 from wirewear.diagnosis.surrogate.inputs import SurrogateInputs
 from wirewear.diagnosis.surrogate.loop_states import FULL_SLIP
 from wirewear.diagnosis.surrogate.sensing import KNEE, MIDDLE
-from wirewear.diagnosis.wording import _one, explanations, of_pairs, sentence_of, share
+from wirewear.diagnosis.wording import _one, explanations, sentence_of, share
 from wirewear.effects import Chain
 from wirewear.effects.contact import RoughnessCompliance, ThirdBodyLayer
 from wirewear.records import ExperimentRecord, RecordTables

@@ -21,13 +21,14 @@ from wirewear.diagnosis.infer.resembling import imitations
 from wirewear.diagnosis.infer.search import PAIR_GAIN, gain_needed, pair_fits
 from wirewear.diagnosis.infer.shrink import Shrink
 from wirewear.diagnosis.infer.weighing import Weighed, classes_of
+from wirewear.diagnosis.notes import of_remainder, remaining
 from wirewear.diagnosis.observe import Site
 from wirewear.diagnosis.observe.channels import own_noise
 from wirewear.diagnosis.observe.reduction import reduce
 from wirewear.diagnosis.observe.scars import ScarSkew
 from wirewear.diagnosis.surrogate.candidates import Candidate, library
 from wirewear.diagnosis.surrogate.forward import simulate
-from wirewear.diagnosis.wording import of_remainder, remaining, sentence_of
+from wirewear.diagnosis.wording import sentence_of
 from wirewear.records import AnyRecord
 
 SPRING_N_per_mm, PLAY_um = 7200.0, 2.9

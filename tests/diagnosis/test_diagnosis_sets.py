@@ -19,9 +19,8 @@ from wirewear.diagnosis.infer.search import Search, Updated, search, updated
 from wirewear.diagnosis.infer.weighing import SCALE, Remainder, Weighed, remainder_of
 from wirewear.diagnosis.observe.reduction import reduce
 from wirewear.diagnosis.preparation import prepared
-from wirewear.diagnosis.record_diagnosis import judged
+from wirewear.diagnosis.record_diagnosis import Diagnosed, judged
 from wirewear.diagnosis.surrogate.nominal import nominal_study
-from wirewear.diagnosis.wording import Diagnosed
 from wirewear.records import ExperimentRecord
 from wirewear.records.tables import Tolerance
 

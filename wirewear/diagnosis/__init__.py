@@ -8,8 +8,7 @@ if TYPE_CHECKING:
     from wirewear.diagnosis.answer import Cause, Diagnosis, Estimate
     from wirewear.diagnosis.confirmation import calibrated, confirmed
     from wirewear.diagnosis.preparation import PreparedRecord, prepared
-    from wirewear.diagnosis.record_diagnosis import diagnose, diagnose_prepared
-    from wirewear.diagnosis.wording import Diagnosed
+    from wirewear.diagnosis.record_diagnosis import Diagnosed, diagnose, diagnose_prepared
 
 __all__ = [
     "Cause", "Diagnosed", "Diagnosis", "Estimate", "PreparedRecord", "calibrated", "confirmed", "diagnose",

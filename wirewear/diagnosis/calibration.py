@@ -35,7 +35,7 @@ _UP_TO_ONE = {"correlation", "probability", "share of the variance"}
 @dataclass(frozen=True)
 class Constant:
     """One entry of the file: one or several numbers, their unit, the source that set them (a key of `sources`, or of
-    `UNTUNED`), and the commit that introduced them; name: with its table, such as "wording.as_much".
+    `UNTUNED`), and the commit that introduced them; name: with its table, such as "wording.doubted".
     """
 
     name: str

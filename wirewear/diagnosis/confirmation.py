@@ -28,7 +28,7 @@ from wirewear.results import read_loops
 from wirewear.test.conditions import held_keys
 
 if TYPE_CHECKING:
-    from wirewear.diagnosis.wording import Diagnosed
+    from wirewear.diagnosis.record_diagnosis import Diagnosed
     from wirewear.results import Loop
 
 _KNOWN = constants("confirmation")

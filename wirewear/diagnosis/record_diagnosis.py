@@ -7,6 +7,7 @@ from contextlib import nullcontext
 from dataclasses import dataclass, replace
 
 from wirewear.base.errors import StudyError
+from wirewear.base.frame import notebook_table
 from wirewear.diagnosis.answer import Diagnosis, causes_of, causes_of_fit, partial_of
 from wirewear.diagnosis.calibration import constants
 from wirewear.diagnosis.infer.inference import Fit
@@ -34,22 +35,14 @@ from wirewear.diagnosis.infer.where import (
     places,
     relevance_of,
 )
+from wirewear.diagnosis.notes import of_imitations, of_laws, of_remainder, of_scatter, of_the_record, of_zero, remaining
 from wirewear.diagnosis.observe.reduction import Observations
 from wirewear.diagnosis.preparation import PreparedRecord, prepared
 from wirewear.diagnosis.surrogate.candidates import effect_of
+from wirewear.diagnosis.surrogate.inputs import SurrogateInputs
 from wirewear.diagnosis.surrogate.nominal import ObserverOf, Stage
 from wirewear.diagnosis.surrogate.wear_states import WearStates
-from wirewear.diagnosis.wording import (
-    Diagnosed,
-    of_imitations,
-    of_laws,
-    of_remainder,
-    of_scatter,
-    of_the_record,
-    of_zero,
-    remaining,
-    sentence_of,
-)
+from wirewear.diagnosis.wording import in_words, parameters_in_words, sentence_of
 from wirewear.effects import all_effects
 from wirewear.records import AnyRecord
 from wirewear.test import AnyStudy
@@ -59,6 +52,33 @@ _KNOWN = constants("record_diagnosis")
 #: An explanation that leaves at most this share of a gap is one, and what it leaves a remainder of unknown cause; from
 #: this share on it is named.
 MOST_LEFT, LEAST_LEFT = _KNOWN.each("most_left", "least_left")
+
+
+@dataclass(frozen=True, eq=False, repr=False)
+class Diagnosed:
+    """A diagnosis with all that pictures of it need: the record, its nominal study, wear states and inputs, its
+    observables, the search for causes and the probabilities.
+    """
+
+    diagnosis: Diagnosis
+    record: AnyRecord
+    study: AnyStudy
+    states: WearStates
+    setup: SurrogateInputs
+    observed: Observations
+    search: Search
+    weighed: Weighed
+
+    def __repr__(self) -> str:
+        return f"<Diagnosis of {self.record.name!r}, {self.diagnosis.verdict}: {self.diagnosis.sentence}>"
+
+    def _repr_html_(self) -> str:
+        rows = {
+            f"{in_words(cause)}, {cause.probability:.0%}": parameters_in_words(cause)
+            for cause in self.diagnosis.causes[:5]
+        }
+        note = " ".join(f"{remark[0].upper()}{remark[1:]}." for remark in self.diagnosis.notes)
+        return notebook_table(f"{self.record.name}: {self.diagnosis.sentence}", rows, note=note)
 
 
 def diagnose(

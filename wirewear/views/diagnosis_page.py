@@ -24,6 +24,7 @@ from wirewear.base.writing import finite, json_text, write_text, writing
 from wirewear.diagnosis.answer import program
 from wirewear.diagnosis.infer.shrink import Shrink
 from wirewear.diagnosis.infer.where import Place, places
+from wirewear.diagnosis.notes import of_pairs
 from wirewear.diagnosis.observe import ObservedBranch, ReducedLoop
 from wirewear.diagnosis.observe.reduction import row_labels
 from wirewear.diagnosis.observe.scars import FEWEST_POINTS, read_profile
@@ -33,7 +34,6 @@ from wirewear.diagnosis.surrogate.sensing import still_to_come
 from wirewear.diagnosis.wording import (
     in_words,
     next_measurement,
-    of_pairs,
     parameters_in_words,
     plain,
     share,
@@ -46,7 +46,7 @@ from wirewear.results.scar import SCAR_EDGE, SCAR_FIGURES, called
 
 if TYPE_CHECKING:
     from wirewear.diagnosis.answer import Diagnosis
-    from wirewear.diagnosis.wording import Diagnosed
+    from wirewear.diagnosis.record_diagnosis import Diagnosed
 
 
 TEMPLATE = Path(__file__).with_name("diagnosis.html")
