@@ -18,7 +18,7 @@ from tests.diagnosis.diagnosis_cases import CYCLES, NOISE_N, concluded, nominal,
 from tests.exam.frozen_states import frozen_states, present_states
 from tests.exam.independent_records import independent_record
 from tests.studies import EXAMPLES
-from tests.synthetic_results import result
+from tests.synthetic_results import loop, result
 from wirewear.base.cache import code_hash
 from wirewear.diagnosis import Diagnosis, diagnose
 from wirewear.diagnosis.calibration import digest
@@ -33,6 +33,7 @@ from wirewear.diagnosis.surrogate.nominal import nominal_study, wearing
 from wirewear.diagnosis.surrogate.nominal_model import nominal_inputs
 from wirewear.diagnosis.surrogate.wear_states import WearStates
 from wirewear.records import ExperimentRecord, read_record
+from wirewear.results import RunResult
 
 PLAY_um, COMPLIANCE_N_per_mm = 3.0, 300.0
 PLAY = {"free_play": {"gap_um": PLAY_um}}
@@ -231,15 +232,17 @@ def test_the_skew_of_a_swept_scar_is_the_tangent_of_the_angle(error_deg: float, 
     assert skew == pytest.approx(-np.tan(error), abs=2e-3 + 0.03 * abs(error))
 
 
-@pytest.mark.parametrize("angle_deg", [60.0, 75.0, 90.0])
-def test_wires_at_the_stated_angle_have_the_skew_of_their_run_and_at_another_its_shear(angle_deg: float) -> None:
-    run = result()
+def run_at(angle_deg: float) -> RunResult:
+    """Its scars are bowls along the motion, without any skew, as no rigid sweep at such an angle leaves them."""
     wires = {"diameter_mm": 0.45, "youngs_modulus_MPa": 2.1e5, "poissons_ratio": 0.3, "crossing_angle_deg": angle_deg}
     asked = {"normal_load_N": 2.0, "displacement_amplitude_um": 60.0, "frequency_Hz": 3.0, "cycles": 100_000}
     study = {"format": 1, "name": "wires", "kind": "crossed-wires", "wires": wires, "conditions": asked}
-    study["contact"] = {"friction": 0.62}
-    # Its scars are bowls along the motion, without any skew, as no rigid sweep at such an angle leaves them.
-    own = WearStates.of_run(replace(run, study=study))
+    return replace(result(), study={**study, "contact": {"friction": 0.62}})
+
+
+@pytest.mark.parametrize("angle_deg", [60.0, 75.0, 90.0])
+def test_wires_at_the_stated_angle_have_the_skew_of_their_run_and_at_another_its_shear(angle_deg: float) -> None:
+    own = WearStates.of_run(run_at(angle_deg))
     stated = np.radians(angle_deg - 90.0)
     skews = [
         simulate(own, replace(nominal(), crossing_error_rad=stated + more), np.array([CYCLES[-1]])).skew
@@ -247,6 +250,19 @@ def test_wires_at_the_stated_angle_have_the_skew_of_their_run_and_at_another_its
     ]
     assert skews[0] == pytest.approx(np.zeros(2), abs=1e-3)
     assert skews[1] == pytest.approx(np.full(2, np.tan(stated) - np.tan(stated + 0.05)), abs=1e-3)
+
+
+def test_scars_at_the_end_are_those_of_the_run_although_its_last_loop_is_of_other_conditions() -> None:
+    run = run_at(75.0)
+    loops = tuple(loop(cycle, 500.0) for cycle in CYCLES)
+    setup = replace(nominal(), crossing_error_rad=np.radians(-15.0))
+    whole, cut = (
+        simulate(WearStates.of_run(replace(run, loops=kept)), setup, np.array([CYCLES[-1]]))
+        for kept in (loops, loops[:-1])
+    )
+    assert whole.scars[:, 1].min() > 1.0
+    assert cut.scars == pytest.approx(whole.scars, rel=0.05)
+    assert cut.skew == pytest.approx(whole.skew, abs=1e-3)
 
 
 @pytest.mark.slow

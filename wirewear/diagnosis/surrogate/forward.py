@@ -334,12 +334,14 @@ def _scars(states: WearStates, last: Chain, slip: Array, worn_under_um: Array, s
     """`SCAR_FIGURES` (k, 2, 4) of the moving and the fixed wire at a chain's moments (k,), by geometric similarity.
     stated_um: (k,) of the nominal run's prints.
     """
-    similar = states.similar(last.worn_um3, slip)
-    row, share = _places(states, similar)
-    share = np.minimum(share, 1.0)
-    figures = states.scars[row] + share[:, None, None] * (states.scars[row + 1] - states.scars[row])
-    figures *= np.maximum(similar / states.similarity[-1], 1.0)[:, None, None] ** states.scars_growth
-    size = slip / np.interp(row + share, np.arange(states.slip_um.size), states.slip_um)
+    similar, (known, slips) = states.similar(last.worn_um3, slip), states.of_scars
+    at, among = (np.log(one + states.least_similarity) for one in (similar, known))
+    place = np.interp(at, among, np.arange(known.size))
+    row = np.minimum(place.astype(int), known.size - 2)
+    share = (place - row)[:, None, None]
+    figures = states.scars[row] + share * (states.scars[row + 1] - states.scars[row])
+    figures *= np.maximum(similar / known[-1], 1.0)[:, None, None] ** states.scars_growth
+    size = slip / np.interp(place, np.arange(known.size), slips)
     scaled: Array = figures * size[:, None, None] ** np.array([4.0, 2.0, 1.0, 1.0])
     scaled *= 1.0 + last.retained_fraction[:, None, None] * _CONCENTRATION
     # Volumes follow the wear law exactly, whatever the similarity leaves over.
@@ -361,7 +363,9 @@ def _scars(states: WearStates, last: Chain, slip: Array, worn_under_um: Array, s
 
 def _skews(states: WearStates, last: Chain, slip: Array) -> Array:
     """Skews (k, 2) of both wires' scars: sheared by the crossing angle as it is, the rest the run's."""
-    at = np.log(states.similar(last.worn_um3, slip) + states.least_similarity)
-    beyond = np.broadcast_to(states.extra_skew, (states.slip_um.size, 2)).T
-    own = np.stack([np.interp(at, states.log_similarity, one) for one in beyond], axis=1)
+    at, known = (
+        np.log(one + states.least_similarity) for one in (states.similar(last.worn_um3, slip), states.of_scars[0])
+    )
+    beyond = np.broadcast_to(states.extra_skew, (known.size, 2)).T
+    own = np.stack([np.interp(at, known, one) for one in beyond], axis=1)
     return np.asarray(own - np.tan(last.crossing_error_rad)[:, None])

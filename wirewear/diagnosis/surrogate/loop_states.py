@@ -244,6 +244,17 @@ def scar_figures_of(result: RunResult, cycle: int, body: str) -> tuple[list[floa
     return scar_figures(line, line, depth), scar_skew(line, line, depth)
 
 
+def later_scars(result: RunResult) -> tuple[Array, Array, Array]:
+    """Of scars logged after a run's last loop: worn volume in µm³ (k,), `SCAR_FIGURES` (k, 2, 4) in µm³ and µm, skews
+    (k, 2) in rad.
+    """
+    cycles = [cycle for cycle in result.scar_cycles() if cycle > result.loops[-1].cycle]
+    volume = 1e9 * np.interp(cycles, result.evolution["cycle"], result.worn_volume_mm3)
+    each = [[scar_figures_of(result, cycle, body) for body in result.bodies] for cycle in cycles]
+    figures, skews = ([[body[part] for body in one] for one in each] for part in (0, 1))
+    return volume, np.reshape(figures, (-1, 2, len(SCAR_FIGURES))), np.reshape(skews, (-1, 2))
+
+
 def smoothed(volume: Array, rows: Array) -> Array:
     """A copy of `rows` (n, k) without scatter: at each, the value of a straight line fitted with Gaussian weights.
     volume: (n,) in µm³, increasing; lines are fitted over ln(V + V_last/25000 + 1), so that V may be 0.

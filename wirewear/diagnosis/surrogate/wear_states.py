@@ -33,6 +33,7 @@ from wirewear.diagnosis.surrogate.loop_states import (
     FULL_SLIP,
     LIFT_POWERS,
     ODD_POWERS,
+    later_scars,
     sliding,
     state_of,
     states_of,
@@ -94,11 +95,14 @@ class WearStates:
     stiffness_N_per_um: Array  #: (n,) initial stiffness K_c of the contact, Mindlin's shape assumed.
     load_drop_N: Array  #: (n,) by how much wear has lowered the load in mid-stroke.
     lift_N: Array  #: (n, 2) coefficients over `LIFT_POWERS` of s/δ of the load beyond that in mid-stroke.
-    scars: Array  #: (n, 2, 4) `SCAR_FIGURES` in µm³ and µm of the moving and of the fixed body.
+    #: (n + k, 2, 4) `SCAR_FIGURES` in µm³ and µm of the moving and of the fixed body; the last k beyond all states.
+    scars: Array
     stroke_um: float = 0.0  #: Largest amplitude by which the bodies were moved; never less than the slip.
-    #: (n, 2) skew of both wires' scars beyond the shear of a rigid sweep (`scar_skew`), as a run's elastic contact
+    #: (n + k, 2) skew of both wires' scars beyond the shear of a rigid sweep (`scar_skew`), as a run's elastic contact
     #: leaves it; by symmetry there is none at 90°.
     extra_skew: Array = field(default_factory=lambda: np.zeros((1, 2)))
+    #: (k,) worn volume of scars beyond all states, as of a programme that ends under other conditions.
+    later_um3: Array = field(default_factory=lambda: np.zeros(0))
     full_slip: float = FULL_SLIP  #: Elastic displacement of the sliding contact as a multiple of Q/K_c.
     along: float = 1.0  #: Curvature of the gap along the motion over that across (`Gap`).
     #: (n, 5) order and bends of micro-slip (`sticking`) of a contact that sticks in its middle; empty if it slides.
@@ -130,6 +134,8 @@ class WearStates:
                 **sticking_states(result, friction),
             )  # fmt: skip
         volume, *columns, scars, skews = rows
+        later, *beyond = later_scars(result)
+        scars, skews = (np.concatenate(both) for both in zip((scars, skews), beyond, strict=True))
         known = states_of(result, load, volume, volume * radius / columns[0] ** 4, scars, *columns)
         return cls(
             held_um_per_N=max(1.0 / float(known["stiffness_N_per_um"][0]) - 1.0 / fresh, 0.0),
@@ -138,6 +144,7 @@ class WearStates:
             normal_load_N=load,
             fresh_area_um2=1e6 * float(np.pi) * hertz_of(load, *bodies).contact_radius_mm ** 2,
             extra_skew=np.nan_to_num(skews + gap.shear),
+            later_um3=later,
             along=gap.along,
             **known,
         )
@@ -243,12 +250,20 @@ class WearStates:
         return np.asarray(np.log(self.similarity + self.least_similarity))
 
     @cached_property
+    def of_scars(self) -> tuple[Array, Array]:
+        """Similarities and slip amplitudes in µm (n + k,) of `scars`; beyond the last state slip remains."""
+        slip = np.append(self.slip_um, np.full(self.later_um3.size, self.slip_um[-1]))
+        later = self.similar(self.later_um3, slip[self.slip_um.size :])
+        return np.append(self.similarity, np.maximum(later, self.similarity[-1] * (1.0 + 1e-9))), slip
+
+    @cached_property
     def scars_growth(self) -> Array:
-        """Powers (2, 4) of the similarity with which the `SCAR_FIGURES` of both bodies grow beyond the last state."""
-        before = int(np.searchsorted(self.similarity, 0.5 * self.similarity[-1])) - 1
+        """Powers (2, 4) of the similarity with which the `SCAR_FIGURES` of both bodies grow beyond the last scar."""
+        similarity, _ = self.of_scars
+        before = int(np.searchsorted(similarity, 0.5 * similarity[-1])) - 1
         if before < 1 or not (self.scars[[before, -1]] > 0.0).all():
             return np.broadcast_to(_CONFORMAL_GROWTH, self.scars.shape[1:])
-        grown, worn = (np.log(rows[-1] / rows[before]) for rows in (self.scars, self.similarity))
+        grown, worn = (np.log(rows[-1] / rows[before]) for rows in (self.scars, similarity))
         return np.asarray(grown / worn)
 
     @cached_property
