@@ -22,8 +22,7 @@ from wirewear.diagnosis.infer.covariance import (
     solver_covariance,
     tolerated,
 )
-from wirewear.diagnosis.infer.inference import Problem
-from wirewear.diagnosis.infer.search import problem_around
+from wirewear.diagnosis.infer.inference import Problem, problem_around
 from wirewear.diagnosis.observe import Site, channels
 from wirewear.diagnosis.observe.along_branches import BEYOND, PEAK, PlateauForce, Stick, peak_N
 from wirewear.diagnosis.observe.measured_loops import _force_noise, _usual, reduced_loop

@@ -5,6 +5,8 @@ fresh contact sticks in its middle. The core is the part that sticks; its nodes 
 worn.
 """
 
+from __future__ import annotations
+
 from abc import ABC, abstractmethod
 from collections.abc import Callable
 from dataclasses import dataclass, field, replace
@@ -20,12 +22,13 @@ from solvers import ContactProblem, ContactState, recoated, stuck_share, transfe
 from solvers.contact_state import WearState
 from solvers.transfer import lies_within
 from wirewear.base.errors import StudyError
-from wirewear.simulation.control import core_once_worn, unused_friction
+from wirewear.simulation.control import core_once_worn, point_sticks, unused_friction
 from wirewear.simulation.discretisation import Discretisation, ElementSizes, affordable_meshes, discretise, follows
-from wirewear.simulation.expected_contact import ExpectedContact
+from wirewear.simulation.expected_contact import ExpectedContact, stands_out
 from wirewear.simulation.line_model import LinePlan, bodies, limit_of_lines, line_problem
 from wirewear.simulation.problem import Announce, contact_problem, held_is_primary, with_nodes_moved, worn_depths
 from wirewear.test import LineStudy, Study
+from wirewear.test.fidelity import WIRE_LEVELS, level_of
 
 _GROWTH_PER_STAGE = 1.8  #: Growth of the scar's half-width that one mesh is to serve.
 _LEAST_GROWTH = 1.1
@@ -216,7 +219,7 @@ class PointMeshes(_CoatedMeshes):
     """
 
     study: Study
-    expected: ExpectedContact
+    discretisation: Discretisation
     stages: tuple[MeshStage, ...]
     spare: tuple[MeshStage, ...] = ()
     sticking: MeshStage | None = None
@@ -224,6 +227,24 @@ class PointMeshes(_CoatedMeshes):
     for_core: Callable[[float], MeshStage] | None = None
     move_nodes_at_stages: bool = False
     fits: dict[float, MeshStage] = field(default_factory=dict, compare=False)
+
+    @classmethod
+    def planned(cls, study: Study, fidelity: str) -> PointMeshes:
+        """The meshes for a study without variants. Raises StudyError if the study cannot be discretised."""
+        driven = study.driven
+        largest, regimes = driven.envelope, [point_sticks(own) for own in driven.schedule.studies]
+        sizes = discretise(largest, fidelity, sticks=all(regimes))
+        stages = mesh_stages(largest, fidelity, sizes)
+        spare = spare_stages(largest, fidelity, sizes, stages[-1])
+        if said := stands_out(study, [*stages, *spare][-1].to_half_width_mm):
+            raise StudyError(f"{said}.")
+        moves = level_of(WIRE_LEVELS, fidelity).move_nodes_at_stages or study.mesh.move_nodes_at_stages
+        sticking, cores = sticking_stage(largest, fidelity, sizes), core_stages(largest, fidelity, sizes)
+        return cls(driven, sizes, stages, spare, sticking, regimes[0], cores, moves)
+
+    @property
+    def expected(self) -> ExpectedContact:
+        return self.discretisation.expected
 
     @property
     def every(self) -> tuple[MeshStage, ...]:

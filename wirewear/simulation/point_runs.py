@@ -20,10 +20,8 @@ from wirewear.base.words import counted
 from wirewear.results import PRESSURE_LENGTH, ContactForces, RunResult, Scar
 from wirewear.results.flat import TIME_SERIES_FILES
 from wirewear.results.values import PlasticStrain
-from wirewear.simulation.control import point_sticks
 from wirewear.simulation.discretisation import Discretisation, discretise, unknowns
-from wirewear.simulation.expected_contact import stands_out
-from wirewear.simulation.meshes import MeshHistory, PointMeshes, core_stages, mesh_stages, spare_stages, sticking_stage
+from wirewear.simulation.meshes import MeshHistory, PointMeshes
 from wirewear.simulation.near_zone import near_zone_of
 from wirewear.simulation.plan import FrettingTest, PlannedRun, PointMotion
 from wirewear.simulation.problem import Announce, condense_bodies, too_much
@@ -52,7 +50,6 @@ class PointRun(PlannedRun):
     """A study of a contact at a point at a fidelity, with its meshes. derived: files that are made from its result."""
 
     study: Study
-    discretisation: Discretisation
     meshes: PointMeshes
 
     derived: ClassVar[tuple[str, ...]] = (*TIME_SERIES_FILES, *PICTURES)
@@ -60,18 +57,11 @@ class PointRun(PlannedRun):
     @classmethod
     def of(cls, study: Study, fidelity: str) -> "PointRun":
         """The planned run of a study without variants. Raises StudyError if the study cannot be discretised."""
-        driven = study.driven
-        largest, regimes = driven.envelope, [point_sticks(own) for own in driven.schedule.studies]
-        discretisation = discretise(largest, fidelity, sticks=all(regimes))
-        stages = mesh_stages(largest, fidelity, discretisation)
-        spare = spare_stages(largest, fidelity, discretisation, stages[-1])
-        if said := stands_out(study, [*stages, *spare][-1].to_half_width_mm):
-            raise StudyError(f"{said}.")
-        moves = level_of(WIRE_LEVELS, fidelity).move_nodes_at_stages or study.mesh.move_nodes_at_stages
-        sticking = sticking_stage(largest, fidelity, discretisation)
-        cores = core_stages(largest, fidelity, discretisation)
-        meshes = PointMeshes(driven, discretisation.expected, stages, spare, sticking, regimes[0], cores, moves)
-        return cls(study, fidelity, discretisation, meshes)
+        return cls(study, fidelity, PointMeshes.planned(study, fidelity))
+
+    @property
+    def discretisation(self) -> Discretisation:
+        return self.meshes.discretisation
 
     def recorder(self) -> "PointRunRecord":
         """An empty record for the run."""

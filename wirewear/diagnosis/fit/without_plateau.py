@@ -18,8 +18,7 @@ from wirewear.base.errors import RecordError
 from wirewear.base.words import counted
 from wirewear.diagnosis.answer import estimates
 from wirewear.diagnosis.fit.values import FittedParameter
-from wirewear.diagnosis.infer.inference import fit
-from wirewear.diagnosis.infer.search import problem_around
+from wirewear.diagnosis.infer.inference import fit, problem_around
 from wirewear.diagnosis.observe.observed_record import repaired
 from wirewear.diagnosis.observe.reduction import reduce
 from wirewear.diagnosis.surrogate.candidates import Candidate

@@ -10,7 +10,7 @@ ch. 28). A setup holds inputs of the fast model; a candidate is an effect that m
 from __future__ import annotations
 
 from collections.abc import Callable, Generator, Mapping, Sequence
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 from typing import TypeVar
 
 import numpy as np
@@ -18,11 +18,12 @@ from scipy.linalg import solve_triangular
 
 from geometry.arrays import Array, BoolArray
 from wirewear.diagnosis.calibration import constants
-from wirewear.diagnosis.infer.covariance import Covariance, moved
-from wirewear.diagnosis.observe.reduction import Layout
+from wirewear.diagnosis.infer.covariance import Covariance, estimate, moved, with_model_error
+from wirewear.diagnosis.observe.reduction import Layout, Observations
 from wirewear.diagnosis.surrogate.candidates import Candidate
 from wirewear.diagnosis.surrogate.inputs import SurrogateInputs
 from wirewear.diagnosis.surrogate.wear_states import WearStates
+from wirewear.effects.holder import Plasticity
 
 Found = TypeVar("Found")
 
@@ -81,6 +82,33 @@ class Problem:
     def whitened(self, setup: SurrogateInputs) -> Array:
         """Measured less predicted observables under a setup as independent standard deviates (m,)."""
         return self.whitening @ (self.mean - self.predicted(setup))
+
+
+def problem_around(
+    states: WearStates,
+    setup: SurrogateInputs,
+    around: SurrogateInputs,
+    observed: Observations,
+    effects: Sequence[Candidate] = (),
+    before: Problem | None = None,
+) -> tuple[Problem, Covariance]:
+    """The problem of explaining a record from the nominal `setup`, and the covariance at the setup `around`.
+
+    effects: those in `around`, whose model error is included. before: an earlier problem of the record, whose cached
+    predictions are shared.
+    """
+    covariance = estimate(states, around, observed)
+    error = max((states.model_error(effect.kind) for effect in effects), default=0.0)
+    if error > 0.0:
+        law = max(effect.kind.law_error for effect in effects)
+        covariance = with_model_error(states, setup, around, observed.layout, covariance, error, law)
+    if setup.print_um > 0.0:
+        # What a stated yield stress changes is known no better; bodies of 100 GPa yield nowhere.
+        elastic = setup.with_effect(Plasticity(yield_stress_MPa=1e5))
+        error, law = Plasticity.model_error, Plasticity.law_error
+        covariance = with_model_error(states, setup, elastic, observed.layout, covariance, error, law)
+    problem = Problem.of(states, setup, observed.layout, covariance)
+    return problem if before is None else replace(problem, known=before.known), covariance
 
 
 @dataclass(frozen=True, eq=False)

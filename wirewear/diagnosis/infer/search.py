@@ -13,16 +13,24 @@ import numpy as np
 
 from geometry.arrays import Array
 from wirewear.diagnosis.calibration import constants
-from wirewear.diagnosis.infer.covariance import Covariance, estimate, with_model_error
+from wirewear.diagnosis.infer.covariance import Covariance
 from wirewear.diagnosis.infer.distortions import Distortion, distortions
-from wirewear.diagnosis.infer.inference import ITERATIONS, Fit, Problem, applied, placed, sought, together
+from wirewear.diagnosis.infer.inference import (
+    ITERATIONS,
+    Fit,
+    Problem,
+    applied,
+    placed,
+    problem_around,
+    sought,
+    together,
+)
 from wirewear.diagnosis.infer.resembling import Imitation, imitations
 from wirewear.diagnosis.infer.weighing import LEAST_DISPERSION, NOTICEABLE, Remainder, distances, remainder_of
 from wirewear.diagnosis.observe.reduction import Observations
-from wirewear.diagnosis.surrogate.candidates import Candidate, library
+from wirewear.diagnosis.surrogate.candidates import considered
 from wirewear.diagnosis.surrogate.inputs import SurrogateInputs
 from wirewear.diagnosis.surrogate.wear_states import WearStates
-from wirewear.effects.holder import Plasticity
 
 _KNOWN = constants("infer.search")
 
@@ -102,11 +110,7 @@ def search(states: WearStates, setup: SurrogateInputs, observed: Observations, l
     nominal inputs and wear states. left_out: names of effects that are not considered.
     """
     scars = any(part.observable.of_scars for part in observed.layout)
-    effects = [
-        effect
-        for effect in library(setup, states)
-        if effect.kind.name not in left_out and (scars or not effect.kind.needs_scars)
-    ]
+    effects = considered(setup, states, left_out, scars=scars)
     problem, covariance = problem_around(states, setup, setup, observed)
     none, *singles = together(problem, [sought(problem, own) for own in ((), *((effect,) for effect in effects))])
     best = max((none, *singles), key=lambda one: one.merit)
@@ -155,33 +159,6 @@ def leading(none: Fit, others: Sequence[Fit]) -> tuple[Fit, tuple[Fit, ...]]:
     """
     ordered = sorted(others, key=lambda one: -one.merit)
     return max((none, *ordered[:1]), key=lambda one: one.merit), (none, *ordered[:_DISTORTED])
-
-
-def problem_around(
-    states: WearStates,
-    setup: SurrogateInputs,
-    around: SurrogateInputs,
-    observed: Observations,
-    effects: Sequence[Candidate] = (),
-    before: Problem | None = None,
-) -> tuple[Problem, Covariance]:
-    """The problem of explaining a record from the nominal `setup`, and the covariance at the setup `around`.
-
-    effects: those in `around`, whose model error is included. before: an earlier problem of the record, whose cached
-    predictions are shared.
-    """
-    covariance = estimate(states, around, observed)
-    error = max((states.model_error(effect.kind) for effect in effects), default=0.0)
-    if error > 0.0:
-        law = max(effect.kind.law_error for effect in effects)
-        covariance = with_model_error(states, setup, around, observed.layout, covariance, error, law)
-    if setup.print_um > 0.0:
-        # What a stated yield stress changes is known no better; bodies of 100 GPa yield nowhere.
-        elastic = setup.with_effect(Plasticity(yield_stress_MPa=1e5))
-        error, law = Plasticity.model_error, Plasticity.law_error
-        covariance = with_model_error(states, setup, elastic, observed.layout, covariance, error, law)
-    problem = Problem.of(states, setup, observed.layout, covariance)
-    return problem if before is None else replace(problem, known=before.known), covariance
 
 
 def _refitted(problem: Problem, singles: Sequence[Fit], best: Fit) -> list[Fit]:

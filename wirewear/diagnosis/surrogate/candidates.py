@@ -6,7 +6,7 @@ A coordinate is the value of a parameter in standard deviations of its expected 
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field
 from itertools import product
 from math import log
@@ -167,6 +167,15 @@ def library(setup: SurrogateInputs, states: WearStates | None = None) -> tuple[C
         for words in product(*kind.choices().values())
         for instead in sorted({item.instead for item in kind.parameters().values()})
     )
+
+
+def considered(setup: SurrogateInputs, states: WearStates, left_out: Sequence[str], *, scars: bool) -> list[Candidate]:
+    """Candidates for a record. left_out: names of effects that are not considered. scars: False for a record without
+    any, in which some effects never show.
+    """
+    return [
+        one for one in library(setup, states) if one.kind.name not in left_out and (scars or not one.kind.needs_scars)
+    ]
 
 
 def effect_of(name: str) -> str:
