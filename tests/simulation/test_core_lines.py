@@ -13,8 +13,9 @@ from tests.simulation.point_contacts import STEEL
 from tests.studies import WEARING, steel_wires
 from wirewear import reference
 from wirewear.simulation import simulate
+from wirewear.simulation.cells import punch_stiffness
 from wirewear.simulation.control import core_once_worn
-from wirewear.simulation.core_lines import fitted_to_core, loop_error, punch_stiffness, up_to_core, wear_error
+from wirewear.simulation.core_lines import fitted_to_core, loop_error, up_to_core, wear_error
 from wirewear.simulation.discretisation import discretise
 from wirewear.simulation.expected_contact import Ellipse
 from wirewear.simulation.meshes import core_stages

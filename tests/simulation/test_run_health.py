@@ -184,7 +184,7 @@ def test_no_loop_is_added_because_one_cycle_differs_where_friction_differs_from_
     monkeypatch: pytest.MonkeyPatch,
 ) -> None:
     monkeypatch.setattr(recorded, "worn_depths", lambda *_: (np.zeros(1), np.zeros(1)))
-    worn = cast("ContactState", SimpleNamespace(wear=SimpleNamespace(energy_mJ=100.0)))
+    worn = cast("ContactState", SimpleNamespace(wear=SimpleNamespace(energy_mJ=100.0), core=np.zeros(1, dtype=bool)))
     problem = cast("ContactProblem", SimpleNamespace(unchanging=False))
     row = {"cycle": 1.0, "dissipated_energy_mJ": 1.0, "accumulated_energy_J": 1e-3}
     row |= {"max_depth_moving_um": 0.0, "max_depth_fixed_um": 0.0}

@@ -13,7 +13,6 @@ not used (Jäger, Arch. Appl. Mech. 65 (1995) 478).
 from collections.abc import Callable, Sequence
 from dataclasses import replace
 from functools import cached_property, lru_cache
-from itertools import product
 from math import ceil, pi
 from typing import NamedTuple
 
@@ -24,6 +23,7 @@ from geometry import EdgeGradedAxis, GradedAxis, RimGradedAxis
 from geometry.arrays import Array, BoolArray, IntArray
 from wirewear.reference import LineContact, worn_under_load
 from wirewear.reference.cattaneo_mindlin import cyclic_loss
+from wirewear.simulation.cells import depth_of_cells, punch_stiffness
 from wirewear.simulation.control import unused_friction
 from wirewear.simulation.expected_contact import Ellipse
 from wirewear.test import LineStudy
@@ -38,8 +38,10 @@ _MIDDLE = 1e-9  #: Of the outline: nodes as near to its middle lie there.
 _CLEAR = -0.12, 0.1
 #: Of how many lines of nearly one area errors are found: of the core's area, then of the one that its stiffness needs.
 _FITS = 1, 128
+#: Of the elements to the rim the least share, and how many of them the annulus that slips must have at least.
+_FEWEST, _ACROSS = 0.75, 2.0
+_WELL_ENOUGH = 0.16  #: Error over one by the elements to the rim up to which fewer of them serve.
 _DEEPEST, _DOUBT = 0.1, 0.5  #: Weights of the largest depth, which few nodes have, and of nodes near the outline.
-_APART = 4.0  #: Distance of two cells over their sides beyond which a series serves for how one displaces the other.
 _AROUND, _OUTWARDS = 32, 300  #: Places at which what wears is integrated: over a quarter turn, and along a radius.
 _ABOUT, _NEARLY_ALL = np.array([0.95, 1.0, 1.05]), 0.995  #: Forces over that of the core; over µP at most.
 _TOUCHING = 1.15  #: Of the contact's axes: nodes beyond do not touch.
@@ -72,11 +74,24 @@ class _Cells(NamedTuple):
 @lru_cache(maxsize=16)
 def fitted_to_core(lines: _Lines, contact: Ellipse, share: float, axial_rad: float) -> _Lines:
     """(axial, transverse): copies of `lines`, both stretched alike by up to 7 % within the patch, on which as much
-    wears in the end, and is dissipated while the contact is fresh, as should be. contact: its angle is from the driven
-    body's axis; share: of its axes that sticks; axial_rad: angle of the axial lines from there.
+    wears in the end, and is dissipated while the contact is fresh, as should be. Of these the fewest, down to three
+    quarters of the elements to the rim, that do so well enough. contact: its angle is from the driven body's axis;
+    share: of its axes that sticks; axial_rad: angle of the axial lines from there.
     """
-    core = contact.enlarged(share)
-    stretches = 1.0 + _STRETCH * np.linspace(-1.0, 1.0, _TRIED)
+    worn, most = _WornGap(contact, share), lines[0].elements
+    for elements in range(ceil(max(_FEWEST * most, _ACROSS / (1.0 - share))), most):
+        axial, transverse = (replace(one, elements=round(one.elements * elements / most)) for one in lines)
+        fitted, error = _fitted((axial, transverse), worn, axial_rad, clear=True)
+        if error <= _WELL_ENOUGH / most:
+            return fitted
+    return _fitted(lines, worn, axial_rad)[0]
+
+
+def _fitted(lines: _Lines, worn: "_WornGap", axial_rad: float, *, clear: bool = False) -> tuple[_Lines, float]:
+    """(lines, weighted sum of their errors): the best copies of `lines`; the error is infinite if there are none whose
+    nodes are `clear`, which slip or stick beyond doubt.
+    """
+    core, stretches = worn.core, 1.0 + _STRETCH * np.linspace(-1.0, 1.0, _TRIED)
     tried = [
         (
             replace(lines[0], rim_mm=stretch * lines[0].rim_mm, share=share),
@@ -93,16 +108,19 @@ def fitted_to_core(lines: _Lines, contact: Ellipse, share: float, axial_rad: flo
         nearest = np.argsort([abs(one.area / area - 1.0) + one.unclear for one in cells])[:count].tolist()
         found |= set(nearest)
         area *= (right / cells[nearest[-1]].stiffness) ** 2
-    worn = _WornGap(contact, share)
-
-    def off(place: int) -> float:
-        """Weighted sum of the errors of what wears, of the loop's energy and of the largest depth."""
+    best, least = lines, np.inf
+    for place in sorted(found, key=lambda one: (cells[one].unclear, one)):
+        error = _DOUBT * cells[place].unclear
+        if error >= least or (clear and error > 0.0):
+            break
         part, depths = _pressed(tried[place], worn, axial_rad)
         volume, deepest = map(abs, _wear_errors(worn, part, depths, cells[place].sticks))
-        loop = float(np.sqrt(np.mean(_loop_error(worn, part, depths) ** 2)))
-        return _DOUBT * cells[place].unclear + volume + _DEEPEST * deepest + loop
-
-    return tried[min(sorted(found), key=off)]
+        error += volume + _DEEPEST * deepest
+        if error < least:
+            error += float(np.sqrt(np.mean(_loop_error(worn, part, depths) ** 2)))
+        if error < least:
+            best, least = tried[place], error
+    return best, least
 
 
 def core_of_line(study: LineStudy, contact_under: Callable[[float], LineContact]) -> float | None:
@@ -356,40 +374,3 @@ def _within(lines: _Lines, core: Ellipse, axial_rad: float) -> _Cells:
     within, outside = float(beyond[sticks].max(initial=-1.0)), float(beyond[~sticks].min(initial=1.0))
     unclear = max(within - _CLEAR[0], 0.0) + max(_CLEAR[1] - outside, 0.0)
     return _Cells(x[sticks], y[sticks], wide[sticks], high[sticks], unclear, sticks)
-
-
-def punch_stiffness(x: Array, y: Array, wide: Array, high: Array) -> float:
-    """Load over depth of a flat punch on a half-space, over π times the contact modulus, in mm.
-    The punch is made of rectangles with middles (x, y) and sizes (wide, high), each (n,) in mm, under an even pressure
-    each.
-    """
-    depth = depth_of_cells(x[:, None] - x, y[:, None] - y, (wide, high), (wide, high))
-    return float((wide * high) @ np.linalg.solve(depth, np.ones(len(x))))
-
-
-def depth_of_cells(along: Array, across: Array, own: tuple[Array, Array], by: tuple[Array, Array]) -> Array:
-    """Mean displacement (n, m) of n rectangles on a half-space, into it, by unit pressure on m others, times π E*, in
-    mm: as finite elements are made to give it (`solvers.elasticity.patch_compliance`).
-
-    along, across: (n, m) distances of their middles in mm. own, by: their sizes, (n,) and (m,) each.
-    """
-    wide, high = (own[axis][:, None] ** 2 + by[axis] ** 2 for axis in (0, 1))
-    square = along**2 + across**2
-    near = np.nonzero(square < _APART**2 * np.maximum(wide, high))
-    square[near] = 1.0
-    second = wide * (3.0 * along**2 / square - 1.0) + high * (3.0 * across**2 / square - 1.0)
-    depth = (by[0] * by[1]) * (1.0 + second / (24.0 * square)) / np.sqrt(square)
-    i, j = near
-    exact, signs = np.zeros(len(i)), (0.5, -0.5)
-    for a, b, c, d in product(signs, repeat=4):
-        x = along[near] + a * own[0][i] + b * by[0][j]
-        y = across[near] + c * own[1][i] + d * by[1][j]
-        exact += 16.0 * a * b * c * d * _antiderivative(x, y)
-    depth[near] = exact / (own[0][i] * own[1][i])
-    return np.asarray(depth)
-
-
-def _antiderivative(x: Array, y: Array) -> Array:
-    """The integral (n,) of 1/√(x² + y²), taken twice over x and twice over y, at distances x and y (n,) in mm."""
-    x, y = np.maximum(np.abs(x), 1e-300), np.maximum(np.abs(y), 1e-300)
-    return np.asarray(0.5 * x * y * (y * np.arcsinh(x / y) + x * np.arcsinh(y / x)) - np.hypot(x, y) ** 3 / 6.0)

@@ -159,11 +159,10 @@ def energy_mismatch(cycles: Sequence[float], per_cycle_mJ: Sequence[float], accu
     return mismatch if certain else nan
 
 
-def bends(before: Energies, now: Energies) -> bool:
-    """True if the friction energy between two cycles differs from what interpolation of loops there gives by over 0.2 %
-    of that so far. before, now: (cycle, friction work per cycle, friction energy so far in mJ) of each.
+def bends(before: Energies, now: Energies, allowed: float = 2e-3) -> bool:
+    """True if the friction energy between two cycles differs from what interpolation of loops there gives by over
+    `allowed` of that so far. before, now: (cycle, friction work per cycle, friction energy so far in mJ) of each.
     """
     (start, per_cycle, worn), (end, later, total) = before, now
     expected = enclosed_energy((start, end), (per_cycle, later))
-    # Of all friction energy so far: allowed difference of the energy between two loops from interpolation.
-    return abs(expected - (total - worn)) > 2e-3 * total
+    return abs(expected - (total - worn)) > allowed * total
