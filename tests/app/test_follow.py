@@ -80,11 +80,16 @@ def of(home: Path, *names: str) -> list[Any]:
 
 
 @pytest.mark.slow
-def test_a_test_as_stated_is_not_warned_of(home: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+def test_a_test_as_stated_is_not_warned_of_and_is_diagnosed_as_its_record_alone(
+    home: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
     answer = followed(home, Logger(home / "run.csv", logged(0.0), 3), monkeypatch)
     assert answer.exit_code == 0, answer.output
     assert "WARNING" not in answer.output
     assert "no gap" in answer.output.lower()
+    words = ["diagnose", str(home / "out/record"), "--output", str(home / "alone")]
+    assert CliRunner().invoke(cli, words).exit_code == 0
+    assert (home / "out/diagnosis/diagnosis.json").read_bytes() == (home / "alone/diagnosis.json").read_bytes()
 
 
 def test_a_play_that_opens_is_warned_of_and_a_killed_command_ends_as_in_one_piece(
@@ -110,10 +115,8 @@ def test_a_play_that_opens_is_warned_of_and_a_killed_command_ends_as_in_one_piec
     assert before["looks"].items() <= after["looks"].items()
 
     # The same file in one piece.
-    runner, whole, alone = CliRunner(), home / "whole", home / "alone"
-    for words in (["import", home / "mapping.toml", "--output", whole], ["diagnose", whole, "--output", alone]):
-        assert runner.invoke(cli, [*map(str, words)]).exit_code == 0
-    assert (home / "out/diagnosis/diagnosis.json").read_bytes() == (alone / "diagnosis.json").read_bytes()
+    whole = home / "whole"
+    assert CliRunner().invoke(cli, ["import", str(home / "mapping.toml"), "--output", str(whole)]).exit_code == 0
     assert (home / "out/record/loops.csv").read_bytes() == (whole / "loops.csv").read_bytes()
 
 

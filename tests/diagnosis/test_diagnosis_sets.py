@@ -1,7 +1,9 @@
 """Sets of classes that hold the cause, and what probabilities make of it."""
 
+import json
 from dataclasses import replace
 from functools import cache
+from importlib.metadata import version
 
 import numpy as np
 import pytest
@@ -12,7 +14,9 @@ from scipy.stats import binom
 from geometry.arrays import Array
 from tests.diagnosis.diagnosis_cases import diagnosed, nominal, record, states
 from wirewear import RecordError
+from wirewear.base.cache import code_hash
 from wirewear.diagnosis.answer import Diagnosis
+from wirewear.diagnosis.calibration import digest
 from wirewear.diagnosis.infer.inference import Fit, Problem
 from wirewear.diagnosis.infer.left_open import LEVEL, plausible
 from wirewear.diagnosis.infer.search import Search, Updated, search, updated
@@ -152,6 +156,26 @@ def test_the_same_difference_beyond_a_finer_tolerance_has_its_cause() -> None:
     assert answer.verdict == "explained"
     assert answer.causes[0].effect == "free_play"
     assert answer.to_json()["relevance"]["relevant"] is True
+
+
+@pytest.mark.seconds
+def test_the_json_has_all_keys_of_its_format() -> None:
+    data = json.loads(json.dumps(found().diagnosis.to_json(), allow_nan=False))
+    assert set(data) >= {
+        "format", "record", "model", "program", "verdict", "gap", "where", "causes", "equivalent", "undetectable",
+        "next_measurement", "resembles", "partial", "checked",
+    }  # fmt: skip
+    assert set(data["gap"]) == {
+        "before", "after", "floor", "shrink", "shrink_interval95", "predicted_shrink", "held_out", "placebo_shrink",
+        "physical", "confirmed",
+    }  # fmt: skip
+    assert set(data["gap"]["physical"]) == {
+        "slip_amplitude_um", "dissipated_energy_percent", "tangential_force_rms_N",
+    }  # fmt: skip
+    assert data["program"] == {"version": version("wirewear"), "sources": code_hash(), "calibration": digest()}
+    for finding in data["where"]:
+        assert set(finding) == {"observable", "zone", "cycles", "share", "size_in_scatter", "text"}
+    assert sum(cause["probability"] for cause in data["causes"]) <= 1.0 + 1e-6
 
 
 EFFECTS = {

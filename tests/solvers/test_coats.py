@@ -196,7 +196,7 @@ def test_a_ball_on_a_coat_presses_as_without_elements(stiffness: float, thick: f
     assert radius == pytest.approx(exact[0], rel=0.03)
 
 
-@pytest.mark.first_case
+@pytest.mark.slow
 @pytest.mark.parametrize(("stiffness", "thick"), [(0.25, 0.1), (4.0, 1.0)])
 def test_the_first_mesh_of_a_quick_run_holds_the_contact_on_a_coat(stiffness: float, thick: float) -> None:
     modulus, thickness = stiffness * STEEL.youngs_modulus_MPa, thick * HERTZ_mm

@@ -173,6 +173,7 @@ def test_layers_wear_one_after_another_as_their_differential_equation_says() -> 
     assert halfway + receded(layers, halfway, np.full(4, 0.5 * bare)) == pytest.approx(worn, abs=5e-6)
 
 
+@pytest.mark.slow
 def test_a_coat_in_gross_slip_lasts_as_long_as_the_segment_of_the_cylinder_that_it_loses() -> None:
     """A cylinder that wears on a flat that does not becomes flat: A = 4/3 t √(2Rt) when it is worn by t."""
     radius_mm, thickness_mm, share = 6.0, 0.009, 0.5

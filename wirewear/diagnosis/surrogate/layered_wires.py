@@ -16,6 +16,7 @@ from __future__ import annotations
 
 from dataclasses import dataclass, fields, replace
 from functools import cached_property, lru_cache, partial
+from math import prod
 from pathlib import Path
 
 import numpy as np
@@ -270,26 +271,30 @@ class FlattenedWires:
         larger flattenings count as the largest.
         """
         late = np.maximum(similarity / self.volumes[-1], 1.0)
-        start = self.volumes[1]
-        worn, axes = np.log(similarity / late + start), (self.flattenings, np.log(self.volumes + start))
-        ends = [(np.minimum(one, self.flattenings[-1]), worn) for one in np.broadcast_arrays(flattening, before)]
-
-        def read(table: Array) -> Array:
-            # Round-off may lead past an end.
-            known = RegularGridInterpolator(axes, table, bounds_error=False, fill_value=None)
-            after, first = (known(np.stack(where, axis=-1)) for where in ends)
-            return np.asarray(after - first)
-
-        table = self.table
-        return FlatteningChange(
-            # Past the largest volume, what is left fades as the scar grows.
-            read(table.slope) / late[:, None],
-            read(table.stiffness) / late,
-            read(table.approach),
-            read(table.depth),
-            read(table.extent) / late[:, None, None],
-            read(table.volume),
+        worn = np.log(similarity / late + self.volumes[1])
+        flattened = np.minimum(np.broadcast_arrays(flattening, before), self.flattenings[-1])
+        after, first = self._changes(np.stack([flattened, np.broadcast_to(worn, flattened.shape)], axis=-1))
+        kept = {one.name: getattr(self.table, one.name).shape[2:] for one in fields(self.table)}
+        ends = np.cumsum([prod(shape) for shape in kept.values()])[:-1]
+        columns = zip(kept.items(), np.split(after - first, ends, axis=1), strict=True)
+        found = FlatteningChange(**{name: column.reshape(-1, *shape) for (name, shape), column in columns})
+        # Past the largest volume, what is left fades as the scar grows.
+        return replace(
+            found,
+            slope=found.slope / late[:, None],
+            stiffness=found.stiffness / late,
+            extent=found.extent / late[:, None, None],
         )
+
+    @cached_property
+    def _changes(self) -> RegularGridInterpolator:
+        """All fields of the table side by side, over flattening and logarithm of volume; round-off may lead past an
+        end.
+        """
+        axes = self.flattenings, np.log(self.volumes + self.volumes[1])
+        columns = [getattr(self.table, one.name) for one in fields(self.table)]
+        together = np.concatenate([one.reshape(*one.shape[:2], -1) for one in columns], axis=2)
+        return RegularGridInterpolator(axes, together, bounds_error=False, fill_value=None)
 
 
 @lru_cache(maxsize=16)
