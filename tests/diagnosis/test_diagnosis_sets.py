@@ -105,8 +105,9 @@ def test_the_verdict_never_contradicts_the_probabilities(parts: list[float], fai
     *own, outside = np.array(parts) / sum(parts)
     found = Weighed(dict(zip([(), LAYER, SPRING, PLAY], own, strict=True)), outside, ((*SPRING, *LAYER), PLAY))
     if failing:
-        found = found.refuted(failing)
-        assert found.mass(failing) == 0.0
+        apart, found = found.withdrawn(failing), found.refuted(failing)
+        assert found.mass(failing) == apart.mass(failing) == 0.0
+        assert apart.probabilities[()] == pytest.approx(own[0] + found.outside - outside)
     said = {"no_gap": found.probabilities[()], "unexplained": found.outside}.get(found.verdict, found.leading)
     assert said == max(found.probabilities[()], found.outside, found.mass(SPRING), found.mass(PLAY))
 

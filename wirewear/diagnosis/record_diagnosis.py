@@ -140,6 +140,9 @@ def judged(
     gap = _located(found, record)
     weighing = _weighed(found, gap)
     checked = _checked(found, gap, weighing, states, observed)
+    if not checked.shrink.borne_out:
+        weighing = _judged_by(found, gap, weighing.considered.withdrawn(weighing.best.names))
+        checked = _checked(found, gap, weighing, states, observed)
     diagnosis = _stated(found, gap, weighing, checked, record, study, observed, further)
     return Diagnosed(diagnosis, record, study, states, found.problem.setup, observed, found, checked.weighed)
 
@@ -189,7 +192,11 @@ def _weighed(found: Search, gap: _Gap) -> _Weighing:
     classes = classes_of(near, found.apart(near))
     surprise, gains = (found.remainder.log_surprise, gains_of(found.distortions)) if gap.leaves else (0.0, {})
     misfit = max(found.remainder.misfit, LEAST_DISPERSION)
-    considered = weigh(found.none, found.singles, found.pairs, classes, misfit, surprise, gains)
+    return _judged_by(found, gap, weigh(found.none, found.singles, found.pairs, classes, misfit, surprise, gains))
+
+
+def _judged_by(found: Search, gap: _Gap, considered: Weighed) -> _Weighing:
+    """What probabilities say of a gap: its best explanation, whether it matters, and where it shows."""
     explained = leading_fit(considered, found.none, (*found.singles, *found.pairs))
 
     # What is detected by an explanation is as large as that makes it: specimens and noise may hide it place by place.

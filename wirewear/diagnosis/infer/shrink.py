@@ -18,6 +18,7 @@ from geometry.arrays import Array, BoolArray, IntArray
 from wirewear.diagnosis.calibration import constants
 from wirewear.diagnosis.infer.covariance import Covariance, smooth_covariance, whole_sizes
 from wirewear.diagnosis.infer.inference import Fit, Problem, fit
+from wirewear.diagnosis.infer.weighing import NOTICEABLE
 from wirewear.diagnosis.observe.observable import AlongBranch, Scale
 from wirewear.diagnosis.observe.reduction import Features, Layout, Observations
 from wirewear.diagnosis.surrogate.forward import PredictedLoops
@@ -188,6 +189,7 @@ class Shrink:
     before, after, floor: gaps G0, G1 and Gf in standard deviations of one test. interval95: of `shrink`. predicted:
     shrink of the fit to all cycles. held_out: cycles left out. best_wrong_effect, free_smooth_fit: shrinks by an effect
     of another class (None if there is none) and by a fit of any smooth shape. scar_held_out: as `Split.scar`.
+    borne_out: False for an explanation of what may be chance, see `_borne_out`.
     """
 
     before: float
@@ -200,6 +202,7 @@ class Shrink:
     best_wrong_effect: float | None
     free_smooth_fit: float | None
     scar_held_out: str = ""
+    borne_out: bool = True
 
     @property
     def scar_words(self) -> str:
@@ -249,7 +252,22 @@ def shrink_of(
         best_wrong_effect=None if wrong is None else left_out.share(left_out.squares_of(left_out.refit(wrong).setup)),
         free_smooth_fit=left_out.share(scores.squares(free)),
         scar_held_out=left_out.split.scar,
+        borne_out=not best.names or left_out.shows_gap or _borne_out(problem, covariance, observed, best),
     )
+
+
+def _borne_out(problem: Problem, covariance: Covariance, observed: Observations, best: Fit) -> bool:
+    """Whether an explanation of a gap that no left-out part shows clearly is more than chance: fitted to the rest it
+    removes `LEAST_SHRINK` of some part's squared residuals, or the rest speaks for it whichever part is left out.
+    """
+    removed, gains = [], []
+    for split in splits(problem.layout):
+        left_out = _LeftOut.at(problem, covariance, observed, split)
+        again, none = left_out.refit(best), fit(left_out.known, ())
+        after = left_out.scores.size(left_out.squares_of(again.setup))
+        removed.append(1.0 - (after / left_out.before) ** 2 if left_out.before > 0.0 else 0.0)
+        gains.append(again.log_evidence - none.log_evidence)
+    return max(removed) >= LEAST_SHRINK or min(gains) >= NOTICEABLE
 
 
 @dataclass(frozen=True, eq=False)
@@ -265,9 +283,23 @@ class _LeftOut:
 
     @classmethod
     def of(cls, problem: Problem, covariance: Covariance, observed: Observations) -> _LeftOut:
-        """The record with the part left out that shows the gap best."""
+        """The record with the first part left out that shows a gap, or the first of all."""
+        first = None
+        for split in splits(problem.layout):
+            one = cls.at(problem, covariance, observed, split)
+            if one.before > max(CLEAR_GAP * one.floor, CLEAR_SCAR if split.scar else 0.0):
+                return one
+            first = first or one
+        if first is None:
+            raise ValueError("a layout without loops leaves nothing to score")
+        return first
+
+    @classmethod
+    def at(cls, problem: Problem, covariance: Covariance, observed: Observations, split: Split) -> _LeftOut:
+        """The record with one part left out."""
         base = problem.predicted(problem.setup)
-        split, scores, squares = _telling_split(problem, covariance, observed, base)
+        scores = HeldOutScores.of(observed, covariance, split.test)
+        squares = {"before": scores.squares(base), "floor": scores.floor()}
         return cls(problem, problem.part(split.train, covariance), base, split, scores, squares)
 
     @property
@@ -278,6 +310,10 @@ class _LeftOut:
     @property
     def floor(self) -> float:
         return self.scores.size(self.squares["floor"])
+
+    @property
+    def shows_gap(self) -> bool:
+        return self.before > CLEAR_GAP * self.floor
 
     def refit(self, one: Fit) -> Fit:
         """The effects of a fit, fitted to the rest of the record alone."""
@@ -290,23 +326,6 @@ class _LeftOut:
     def share(self, squared: Array) -> float:
         """The shrink: the share of the gap that is closed where these squared residuals are left."""
         return _share(self.before, self.scores.size(squared), self.floor)
-
-
-def _telling_split(
-    problem: Problem, covariance: Covariance, observed: Observations, base: Array
-) -> tuple[Split, HeldOutScores, dict[str, Array]]:
-    """The first split whose left-out part shows a gap, or the first of all, with squares before and of the floor."""
-    first = None
-    for split in splits(problem.layout):
-        scores = HeldOutScores.of(observed, covariance, split.test)
-        squares = {"before": scores.squares(base), "floor": scores.floor()}
-        before, floor = (scores.size(squares[name]) for name in ("before", "floor"))
-        if before > max(CLEAR_GAP * floor, CLEAR_SCAR if split.scar else 0.0):
-            return split, scores, squares
-        first = first or (split, scores, squares)
-    if first is None:
-        raise ValueError("a layout without loops leaves nothing to score")
-    return first
 
 
 def achieved(

@@ -106,6 +106,18 @@ class Weighed:
         kept = {one: 0.0 if self._classes(one) == own else p for one, p in self.probabilities.items()}
         return replace(self, probabilities=kept, outside=self.outside + self.mass(names))
 
+    def withdrawn(self, names: tuple[str, ...]) -> Weighed:
+        """A copy in which the probability of an explanation, and of all of the same classes of effects, goes to no gap,
+        with what `beside` holds of them.
+        """
+        own = self._classes(names)
+        gone = {one: p for one, p in self.probabilities.items() if one and self._classes(one) == own}
+        beside = sum(self.beside.get(one, 0.0) for one in gone)
+        kept = {**self.probabilities, **dict.fromkeys(gone, 0.0)}
+        kept[()] += sum(gone.values()) + beside
+        left = {one: p for one, p in self.beside.items() if one not in gone}
+        return replace(self, probabilities=kept, outside=max(self.outside - beside, 0.0), beside=left)
+
     def with_remainder(self, names: tuple[str, ...]) -> Weighed:
         """A copy for an explanation that may act together with an unknown cause: `names`, and all explanations of the
         same classes, gain the probabilities that `beside` holds of them, which `outside` loses.
