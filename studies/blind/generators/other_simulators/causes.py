@@ -27,7 +27,7 @@ class Size:
     """What a size is drawn from."""
 
     def __init__(self, ease: str, test: Test, random: np.random.Generator) -> None:
-        self.part, self.test, self.random = random.uniform(*PART[ease]), test, random
+        self.part, self.test, self.random = random.uniform(*PART[ease]) + test.hides, test, random
         self.force_N = test.friction * test.load_N
 
     def between(self, low: float, high: float) -> float:

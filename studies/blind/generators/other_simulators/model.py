@@ -57,6 +57,7 @@ CANNOT = {
     "layers": ("crossing_angle_error", "plasticity"),
     "sticking": (*OF_BODIES, *OF_WEAR),
     "joint": (*OF_BODIES, *OF_WEAR),
+    "force": (*OF_BODIES, *OF_WEAR),
 }
 WORN_SEAMS = ("wear", "specimens")  #: Where causes enter that only wear shows.
 #: Loggings from which the noise of figures is taken; of what full slip takes, 3 % of a sticking ball's compliance.
@@ -154,9 +155,10 @@ def world_of(test: Test) -> World:
         speed_exponent=SPEED_EXPONENT if strips else 0.0,
         pressure_exponent=PRESSURE_EXPONENT if strips else 0.0,
         expected_MPa=expected_pressure_MPa(test),
-        least_slip=0.35 if test.slides else -inf,
+        least_slip=0.35 if test.slides and test.held is None else -inf,
         stated_friction=test.friction,
         stated_load_N=test.load_N,
+        held=test.held,
         programme=tuple(
             (block.cycles, block.load_N / test.load_N, block.amplitude_um / test.amplitude_um) for block in test.blocks
         ),
@@ -342,6 +344,7 @@ def tables_of(case: Case, test: Test, logger: Logger) -> PointRecordTables | Lin
         if test.blocks:
             more["programme"] = [block.table for block in test.blocks]
         plain = record_tables(replace(case, nuisances=logger)).model_dump(mode="json", exclude_unset=True)
+        plain["conditions"] |= dict([test.held] if test.held else [])
         return cast("PointRecordTables", RECORDS[test.kind].model_validate({**plain, **more}))
     plain = line_record_tables(test, case.name, logger.stated_noise).model_dump(mode="json", exclude_unset=True)
     for body, height, half in zip(("pad", "specimen"), test.heights_mm, test.half_widths_mm, strict=True):

@@ -1,5 +1,6 @@
 """A rig of springs in series: the stroke that a drive holds, the loop that comes of it, and what instruments read."""
 
+from collections.abc import Callable, Mapping
 from dataclasses import dataclass
 from math import tan
 from typing import Protocol
@@ -46,7 +47,12 @@ def periodic_loop(world: World, cycle: float, load_N: float, touch: Touch, slidi
         return [_stroke(world, cycle, load_N, touch, sliding, half, direction) for direction in (1, -1)]
 
     def missing(half: float) -> float:
-        return world.amplitude_mm - 0.5 * float(np.ptp(np.concatenate([stroke[1] for stroke in both_strokes(half)])))
+        strokes = both_strokes(half)
+        left = world.amplitude_mm - _half_range(strokes)
+        if world.held is None:
+            return left
+        key, value = world.held
+        return min(left, world.amplitude_mm * (1.0 - HOLDS[key](strokes) / value))
 
     shortest, longest = 1e-3 * world.amplitude_mm, world.amplitude_mm
     if missing(shortest) <= 0.0:
@@ -56,19 +62,34 @@ def periodic_loop(world: World, cycle: float, load_N: float, touch: Touch, slidi
     half = float(brentq(missing, shortest, longest, xtol=HELD * world.amplitude_mm))
     strokes = both_strokes(half)
     held = np.concatenate([stroke[1] for stroke in strokes])
+    amplitude = world.amplitude_mm if world.held is None else _half_range(strokes)
     lag = sliding.lag_mm(world.friction_at(cycle), load_N)
     if half - lag < world.least_slip * world.amplitude_mm:
         raise RunError(f"the contact slips over {1e3 * (half - lag):.3g} µm only.")
     phase = 2.0 * np.pi * np.arange(TIMES) / TIMES
     rising = np.cos(phase) >= 0.0
     middle = 0.5 * float(held.max() + held.min())
-    wanted = middle + world.amplitude_mm * np.sin(phase)
+    wanted = middle + amplitude * np.sin(phase)
     channels = []
     for channel in (0, 2, 3):
         there, back = (np.interp(wanted, *_increasing(stroke[1], stroke[channel])) for stroke in strokes)
         channels.append(np.where(rising, there, back))
-    work = sum(abs(float(np.trapezoid(stroke[4], stroke[5]))) for stroke in strokes)
-    return Loop(channels[0], channels[1], channels[2], half - lag, work)
+    return Loop(channels[0], channels[1], channels[2], half - lag, _work_mJ(strokes))
+
+
+def _half_range(strokes: list[tuple[Array, ...]]) -> float:
+    return 0.5 * float(np.ptp(np.concatenate([stroke[1] for stroke in strokes])))
+
+
+def _work_mJ(strokes: list[tuple[Array, ...]]) -> float:
+    return sum(abs(float(np.trapezoid(stroke[4], stroke[5]))) for stroke in strokes)
+
+
+#: What a drive may hold in place of its stroke, by the key of a study.
+HOLDS: Mapping[str, Callable[[list[tuple[Array, ...]]], float]] = {
+    "held_tangential_force_N": lambda strokes: max(float(np.abs(stroke[2]).max()) for stroke in strokes),
+    "held_energy_mJ": _work_mJ,
+}
 
 
 def _increasing(held: Array, channel: Array) -> tuple[Array, Array]:

@@ -20,6 +20,7 @@ SIMULATORS = {
     "sticking": ("sticking",),
     "joints": ("joint",),
     "programmes": ("blocks",),
+    "held": ("energy", "force"),
 }
 
 #: Aluminium, titanium, bronze, zirconia's like, steel: Young's modulus and Poisson's ratio.
@@ -43,6 +44,8 @@ MOST_TAKEN, WIDEST, DEPTHS_mm, LEAST_mJ, LENGTHS = 0.25, 0.4, (1e-3, 0.05), 5e-3
 REACHED, STROKES_um, LARGEST_MPa = (0.3, 0.97), (0.4, 20.0), 2500.0
 #: Of joints: part of the stroke that their own stiffness takes, and by how much their sliders' limits differ.
 JOINT_TAKES, SPREAD = (0.02, 0.35), (0.0, 0.2)
+#: Of held energies: over what sliding over the whole stroke would dissipate.
+HELD = (0.4, 0.75)
 #: Of programmes: load and stroke of a block over the largest ones, and how often the blocks take turns.
 LIGHTER, SHORTER, TURNS = (0.5, 1.0), (0.5, 0.9), (1, 4)
 
@@ -66,17 +69,21 @@ class Block:
 class WireTest(Nominal):
     """Crossed wires, and who simulates them.
 
-    blocks: of cycles, which take turns; none if load and stroke remain. slides, wears: whether the contact must slide,
-    and whether it wears. shares: of the load, at which partial slip is traced.
+    blocks: of cycles, which take turns; none if load and stroke remain. held: key and value of what the drive holds in
+    place of its stroke. slides, wears: whether the contact must slide,
+    and whether it wears. hides: by which part of the range of sizes effects are drawn larger. shares: of the load, at
+    which partial slip is traced.
     """
 
     slides: ClassVar[bool] = True
     wears: ClassVar[bool] = True
+    hides: ClassVar[float] = 0.0
     shares: ClassVar[Array] = SHARES
 
     simulator: str = "foundation"
     crossing_angle_deg: float = 90.0
     blocks: tuple[Block, ...] = ()
+    held: tuple[str, float] | None = None
 
     @property
     def ends(self) -> tuple[int, ...]:
@@ -132,7 +139,9 @@ class LineTest(LineNominal):
 
     slides: ClassVar[bool] = True
     wears: ClassVar[bool] = True
+    hides: ClassVar[float] = 0.0
     blocks: ClassVar[tuple[Block, ...]] = ()
+    held: ClassVar[None] = None
     ends: ClassVar[tuple[int, ...]] = ()
 
     simulator: str = "layers"
@@ -161,6 +170,7 @@ class StickingTest(WireTest):
     bodies: ClassVar[tuple[str, str]] = ("flat", "ball")
     slides: ClassVar[bool] = False
     wears: ClassVar[bool] = False
+    hides: ClassVar[float] = 0.5
     #: Cores whose sizes are close where little slips.
     shares: ClassVar[Array] = (1.0 - np.linspace(0.95, 0.0, 36) ** 2) ** 3
 
@@ -262,6 +272,18 @@ def _drawn_in_blocks(random: np.random.Generator) -> WireTest:
     return replace(test, cycles=cycles, blocks=tuple(blocks[place] for place in order))
 
 
+def _drawn_holding_energy(random: np.random.Generator) -> WireTest:
+    test = _drawn_wires("half_space", random)
+    energy = 4e-3 * test.friction * test.load_N * test.amplitude_um * random.uniform(*HELD)
+    return replace(test, held=("held_energy_mJ", float(f"{energy:.3g}")))
+
+
+def _drawn_holding_force(random: np.random.Generator) -> StickingTest:
+    test = _drawn_sticking(random)
+    force = test.friction * test.load_N * random.uniform(*REACHED)
+    return replace(test, amplitude_um=1.6 * test.amplitude_um, held=("held_tangential_force_N", float(f"{force:.3g}")))
+
+
 def _drawn_sticking(random: np.random.Generator) -> StickingTest:
     modulus, ratio = MATERIALS_MPa[random.integers(len(MATERIALS_MPa))]
     friction, reached = round(random.uniform(0.3, 0.95), 2), random.uniform(*REACHED)
@@ -336,7 +358,14 @@ def _drawn_line(random: np.random.Generator) -> LineTest:
 
 
 _of_others: Mapping[str, Callable[[np.random.Generator], Test]]
-_of_others = {"layers": _drawn_line, "sticking": _drawn_sticking, "joint": _drawn_joint, "blocks": _drawn_in_blocks}
+_of_others = {
+    "layers": _drawn_line,
+    "sticking": _drawn_sticking,
+    "joint": _drawn_joint,
+    "blocks": _drawn_in_blocks,
+    "energy": _drawn_holding_energy,
+    "force": _drawn_holding_force,
+}
 
 
 def _digits(random: np.random.Generator, low: float, high: float, digits: int = 2) -> float:

@@ -18,7 +18,8 @@ from studies.blind.generators.other_simulators.pair import Array, Layer
 class World:
     """One test; mm, N, MPa, s, unless named otherwise.
 
-    programme: cycles of each block, and its load and stroke over those of the test. `causes` are those of no library.
+    programme: cycles of each block, and its load and stroke over those of the test. held: key and value of what the
+    drive holds by a stroke of `amplitude_mm` at most. `causes` are those of no library.
     """
 
     friction: float
@@ -53,6 +54,7 @@ class World:
     least_slip: float = 0.35
     causes: tuple[OtherCause, ...] = ()
     programme: tuple[tuple[int, float, float], ...] = ()
+    held: tuple[str, float] | None = None
 
     def during(self, cycle: float) -> "World":
         """The world under the load and the stroke of the block to which a cycle belongs."""
