@@ -29,15 +29,15 @@ from wirewear.simulation.expected_contact import Ellipse
 from wirewear.test import LineStudy
 
 #: By how much lines are stretched at most, and how many stretches are tried.
-_STRETCH, _TRIED = 0.07, 71
-_SHARES = (0.5, 0.55, 0.6, 0.65, 0.7, 0.75)  #: How their sizes fall towards the rim.
+_STRETCH, _TRIED = 0.09, 91
+_SHARES = tuple(0.05 * step for step in range(9, 17))  #: How their sizes fall towards the rim: 0.45 to 0.8.
 _BEYOND = 0.02  #: Of an element: by how much nodes may lie beyond the outline and stick, of Hertz's contacts.
 _COARSER = 5.0  #: Elements in the middle of a flat contact, where nothing changes quickly, over those at its edges.
 _MIDDLE = 1e-9  #: Of the outline: nodes as near to its middle lie there.
 #: Of an element: nodes nearer to the outline within and beyond it might slip or stick.
 _CLEAR = -0.12, 0.1
 #: Of how many lines of nearly one area errors are found: of the core's area, then of the one that its stiffness needs.
-_FITS = 1, 128
+_FITS = 1, 224
 #: Of the elements to the rim the least share, and how many of them the annulus that slips must have at least.
 _FEWEST, _ACROSS = 0.75, 2.0
 _WELL_ENOUGH = 0.16  #: Error over one by the elements to the rim up to which fewer of them serve.
@@ -73,7 +73,7 @@ class _Cells(NamedTuple):
 
 @lru_cache(maxsize=16)
 def fitted_to_core(lines: _Lines, contact: Ellipse, share: float, axial_rad: float) -> _Lines:
-    """(axial, transverse): copies of `lines`, both stretched alike by up to 7 % within the patch, on which as much
+    """(axial, transverse): copies of `lines`, both stretched alike by up to 9 % within the patch, on which as much
     wears in the end, and is dissipated while the contact is fresh, as should be. Of these the fewest, down to three
     quarters of the elements to the rim, that do so well enough. contact: its angle is from the driven body's axis;
     share: of its axes that sticks; axial_rad: angle of the axial lines from there.
@@ -108,16 +108,18 @@ def _fitted(lines: _Lines, worn: "_WornGap", axial_rad: float, *, clear: bool = 
         nearest = np.argsort([abs(one.area / area - 1.0) + one.unclear for one in cells])[:count].tolist()
         found |= set(nearest)
         area *= (right / cells[nearest[-1]].stiffness) ** 2
-    best, least = lines, np.inf
-    for place in sorted(found, key=lambda one: (cells[one].unclear, one)):
-        error = _DOUBT * cells[place].unclear
-        if error >= least or (clear and error > 0.0):
-            break
+    worn_off = {}
+    for place in (one for one in found if not (clear and cells[one].unclear)):
         part, depths = _pressed(tried[place], worn, axial_rad)
         volume, deepest = map(abs, _wear_errors(worn, part, depths, cells[place].sticks))
-        error += volume + _DEEPEST * deepest
-        if error < least:
-            error += float(np.sqrt(np.mean(_loop_error(worn, part, depths) ** 2)))
+        worn_off[place] = _DOUBT * cells[place].unclear + volume + _DEEPEST * deepest
+    best, least = lines, np.inf
+    # Loops take the longest: of those that wear best, until the others are worse by that alone.
+    for place in sorted(worn_off, key=lambda one: (worn_off[one], one)):
+        if worn_off[place] >= least:
+            break
+        loops = _loop_error(worn, *_pressed(tried[place], worn, axial_rad))
+        error = worn_off[place] + float(np.sqrt(np.mean(loops**2)))
         if error < least:
             best, least = tried[place], error
     return best, least

@@ -290,7 +290,7 @@ def _graded(
 ) -> GradedAxis | RimGradedAxis:
     contact, scar, angle = sizes.contact, sizes.scar, axis.angle_rad
     if sizes.sticks:
-        return _graded_to_rim(contact, angle, sizes.stuck_margin, level)
+        return _graded_to_rim(contact, angle, sizes.stuck_margin, level, 1.0 if sizes.core else _EVEN_MORE)
     finest = narrowest_mm / level.per_contact_radius if sizes.contact_mm is None else sizes.contact_mm
     fine = finest * contact.chord(angle) / narrowest_mm
     within = fine
@@ -307,14 +307,14 @@ def _graded(
     return GradedAxis(within, min(scarred, half), 2.5 * within, half, 1.3)
 
 
-def _graded_to_rim(contact: Ellipse, axis_rad: float, margin: float, level: WireLevel) -> RimGradedAxis:
+def _graded_to_rim(contact: Ellipse, axis_rad: float, margin: float, level: WireLevel, more: float) -> RimGradedAxis:
     """Mesh lines for a contact that sticks in its middle, fine at its rim if the ellipse lies along the axes."""
     rim, chord = contact.reach(axis_rad), contact.chord(axis_rad)
     # Chord over reach of an ellipse along a patch's axis, below which lines cannot be fine at its rim.
     if chord < 0.95 * rim:
         # Of the rim: where the last of them lies. One that only touches it makes what slips a tenth too small at Q/µP
         # of 0.15, in the mean of ellipses at 12 to 30° by cells on a half-space.
-        return RimGradedAxis(0.99 * rim, round(_EVEN_MORE * level.to_rim * rim / chord), margin * rim, _EVENLY)
+        return RimGradedAxis(0.99 * rim, round(more * level.to_rim * rim / chord), margin * rim, _EVENLY)
     return RimGradedAxis(rim, round(level.to_rim), margin * rim, level.rim_share)
 
 
