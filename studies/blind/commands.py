@@ -33,7 +33,7 @@ exam.goes_on = dict.fromkeys(("make", "diagnose"), "the same command goes on wit
 @click.option(
     "--law",
     help="Friction law of the tier T2: dahl, iwan, weakening or bouc; simulators of T3: development, scoring, sticking "
-    "(partial slip), joints, programmes or held (energies and forces).  [default: dahl, development]",
+    "(partial slip), joints, programmes, held (energies, forces) or swinging (loads).  [default: dahl, development]",
 )
 @outside_option
 @click.option(

@@ -171,6 +171,25 @@ def test_a_ball_in_partial_slip_loses_what_mindlin_and_deresiewicz_say(reached: 
         assert found["displacement_amplitude_um"] == pytest.approx(1e3 * given_mm, rel=0.01)
 
 
+@pytest.mark.parametrize(("swing", "work", "ends"), [((0.4, 1), 1.0, (1.4, 0.6)), ((0.3, 2), 0.9, (1.3, 1.3))])
+@pytest.mark.parametrize("stiffness", [None, 2000.0])
+def test_a_joint_under_a_swinging_load_rubs_by_the_load_of_each_place(
+    swing: tuple[float, int], work: float, ends: tuple[float, float], stiffness: float | None
+) -> None:
+    joint = JointTest(load_N=40.0, amplitude_um=300.0, friction=0.4, cycles=30, own_N_per_mm=4e4, spread=0.2)
+    test = replace(joint, swing=swing, stiffness_N_per_mm=stiffness)
+    x, q, p = simulated(test, world_of(test), (30,)).channels[30]
+    # Springs are turned over by the load at either end.
+    given_um = 0.0 if stiffness is None else 0.5 * (ends[0] ** 2 + ends[1] ** 2) * 1e3 * 16.0 / stiffness
+    energy = figures((x, q, p))["dissipated_energy_mJ"]
+    assert energy == pytest.approx(4e-3 * 16.0 * (300.0 * work - given_um), rel=0.01)
+    assert (q.max() / 16.0, -q.min() / 16.0) == pytest.approx([ends[0], ends[0]], rel=0.03)
+    drive = (x - 0.5 * (x.max() + x.min())) / 300.0
+    assert p == pytest.approx(
+        40.0 * (1.0 + swing[0] * np.cos(swing[1] * np.arccos(np.clip(drive, -1.0, 1.0)))), abs=0.3
+    )
+
+
 @pytest.mark.seconds
 @pytest.mark.parametrize("simulator", NAMES)
 def test_bodies_lose_what_their_energy_asks_for(simulator: str) -> None:

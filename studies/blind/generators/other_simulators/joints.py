@@ -7,6 +7,8 @@ import numpy as np
 
 from studies.blind.generators.other_simulators.pair import Array, Layer, Pair
 
+SLIDERS = 40  #: Sliders that are followed one by one where the load varies in the cycle.
+
 
 class OneCell:
     """Rigid bodies that touch over one cell of a square millimetre: pressure [MPa] is the load [N], approach 0 mm."""
@@ -39,3 +41,14 @@ class Sliders(Pair):
         reached = np.clip(first, low, high)
         share = np.where(first < low, first, (0.5 * (reached**2 - low**2) + reached * (high - reached)) / (high - low))
         return np.asarray(2.0 * share[:-1] - share[-1])
+
+    def under(self, way_mm: Array, friction: float, load_N: Array) -> Array:
+        """Friction over its limit of the moment along a stroke after one in which all has slid, under loads (n,)."""
+        low, high = self.limits
+        limits = low + (high - low) * (np.arange(SLIDERS) + 0.5) / SLIDERS
+        step, most = self.stiffness * np.diff(way_mm, prepend=0.0), friction * load_N
+        pulled, found = -limits * most[0], []
+        for further, limit in zip(step, most, strict=True):
+            pulled = np.clip(pulled + further, -limits * limit, limits * limit)
+            found.append(float(pulled.mean()) / limit)
+        return np.array(found)

@@ -58,6 +58,7 @@ CANNOT = {
     "sticking": (*OF_BODIES, *OF_WEAR),
     "joint": (*OF_BODIES, *OF_WEAR),
     "force": (*OF_BODIES, *OF_WEAR),
+    "swinging": (*OF_BODIES, *OF_WEAR),
 }
 WORN_SEAMS = ("wear", "specimens")  #: Where causes enter that only wear shows.
 #: Loggings from which the noise of figures is taken; of what full slip takes, 3 % of a sticking ball's compliance.
@@ -159,6 +160,7 @@ def world_of(test: Test) -> World:
         stated_friction=test.friction,
         stated_load_N=test.load_N,
         held=test.held,
+        swing=test.swing if isinstance(test, JointTest) else None,
         programme=tuple(
             (block.cycles, block.load_N / test.load_N, block.amplitude_um / test.amplitude_um) for block in test.blocks
         ),
@@ -345,6 +347,9 @@ def tables_of(case: Case, test: Test, logger: Logger) -> PointRecordTables | Lin
             more["programme"] = [block.table for block in test.blocks]
         plain = record_tables(replace(case, nuisances=logger)).model_dump(mode="json", exclude_unset=True)
         plain["conditions"] |= dict([test.held] if test.held else [])
+        if isinstance(test, JointTest) and test.swing:
+            share, ratio = test.swing
+            plain["conditions"]["load_cycle"] = {"amplitude_share": share, "frequency_ratio": ratio, "lag_deg": 0.0}
         return cast("PointRecordTables", RECORDS[test.kind].model_validate({**plain, **more}))
     plain = line_record_tables(test, case.name, logger.stated_noise).model_dump(mode="json", exclude_unset=True)
     for body, height, half in zip(("pad", "specimen"), test.heights_mm, test.half_widths_mm, strict=True):

@@ -8,11 +8,13 @@ from typing import Protocol
 import numpy as np
 from scipy.optimize import brentq
 
+from studies.blind.generators.other_simulators.joints import Sliders
 from studies.blind.generators.other_simulators.pair import Array, Touch
 from studies.blind.generators.other_simulators.world import World
 from wirewear.base.errors import RunError
 
 POINTS, TIMES = 480, 1024  #: Points of a stroke, closer to its beginning, and of a loop over time.
+SWEEPS = 6  #: Of a stroke against the load that its drive brings.
 #: A drive holds its amplitude so well; a play is crossed within this share of the friction's limit.
 HELD, CROSSED = 1e-7, 1e-3
 
@@ -103,28 +105,42 @@ def _stroke(
     """Motion, what the drive holds of it, forces, friction and slip along a stroke of the contact (n,) each."""
     friction = world.friction_at(cycle) * _by_pressure(world, touch)
     way = 2.0 * half * np.linspace(0.0, 1.0, POINTS) ** 3
-    mobilised = direction * sliding.stroke(way, half, friction, load_N)
     moved = direction * (way - half)
-    lag = sliding.lag_mm(friction, load_N)
-    slip = moved - mobilised * lag
-    lean = tan(world.lean_rad)
-    normal = load_N + world.spring_N_per_mm * lean * moved
-    off = moved / half
-    for cause in world.causes:
-        normal = normal * cause.load_along(off, direction)
-    coefficient = friction * world.varied(off, direction) * mobilised
-    slope = np.interp(slip, touch.place_mm, touch.slope_N) / load_N + lean
-    # Friction acts along the slope, tan(φ + β): the pressures' sum is larger than the load.
-    pressing = normal / (1.0 - coefficient * slope)
-    rubbed, force = coefficient * pressing, (coefficient + slope) * pressing
-    limit = world.stated_friction * world.stated_load_N
-    given = (world.compliance_mm_per_N + touch.shear_mm_per_N) * force
-    given = given + 0.5 * world.play_mm * np.clip(force / (CROSSED * limit), -1.0, 1.0)
-    for cause in world.causes:
-        given = given + cause.given_mm(force, limit, direction)
-    place = moved + given
-    held = place if world.drive == "stroke" else displacement(world, cycle, place, force)
-    return place, held, force, normal, rubbed, slip
+    off, drive = moved / half, moved
+    # Where the load follows the drive, the drive follows from what the rig gives under that load.
+    for _ in range(SWEEPS if world.swing else 1):
+        shares = _load_shares(world, drive)
+        if isinstance(sliding, Sliders) and world.swing:
+            mobilised = direction * sliding.under(way, friction, load_N * shares)
+        else:
+            mobilised = direction * sliding.stroke(way, half, friction, load_N)
+        slip = moved - mobilised * shares * sliding.lag_mm(friction, load_N)
+        lean = tan(world.lean_rad)
+        normal = load_N * shares + world.spring_N_per_mm * lean * moved
+        for cause in world.causes:
+            normal = normal * cause.load_along(off, direction)
+        coefficient = friction * world.varied(off, direction) * mobilised
+        slope = np.interp(slip, touch.place_mm, touch.slope_N) / load_N + lean
+        # Friction acts along the slope, tan(φ + β): the pressures' sum is larger than the load.
+        pressing = normal / (1.0 - coefficient * slope)
+        rubbed, force = coefficient * pressing, (coefficient + slope) * pressing
+        limit = world.stated_friction * world.stated_load_N
+        given = (world.compliance_mm_per_N + touch.shear_mm_per_N) * force
+        given = given + 0.5 * world.play_mm * np.clip(force / (CROSSED * limit), -1.0, 1.0)
+        for cause in world.causes:
+            given = given + cause.given_mm(force, limit, direction)
+        place = moved + given
+        drive = place if world.drive == "stroke" else displacement(world, cycle, place, force)
+    return place, drive, force, normal, rubbed, slip
+
+
+def _load_shares(world: World, drive_mm: Array) -> Array:
+    """Load over its mean where the drive is (n,): a cosine of its phase since its rest at +x."""
+    if world.swing is None:
+        return np.ones_like(drive_mm)
+    share, ratio = world.swing
+    middle, half = 0.5 * float(drive_mm.max() + drive_mm.min()), 0.5 * float(np.ptp(drive_mm))
+    return np.asarray(1.0 + share * np.cos(ratio * np.arccos(np.clip((drive_mm - middle) / half, -1.0, 1.0))))
 
 
 def _by_pressure(world: World, touch: Touch) -> float:

@@ -21,6 +21,7 @@ SIMULATORS = {
     "joints": ("joint",),
     "programmes": ("blocks",),
     "held": ("energy", "force"),
+    "swinging": ("swinging",),
 }
 
 #: Aluminium, titanium, bronze, zirconia's like, steel: Young's modulus and Poisson's ratio.
@@ -44,6 +45,8 @@ MOST_TAKEN, WIDEST, DEPTHS_mm, LEAST_mJ, LENGTHS = 0.25, 0.4, (1e-3, 0.05), 5e-3
 REACHED, STROKES_um, LARGEST_MPa = (0.3, 0.97), (0.4, 20.0), 2500.0
 #: Of joints: part of the stroke that their own stiffness takes, and by how much their sliders' limits differ.
 JOINT_TAKES, SPREAD = (0.02, 0.35), (0.0, 0.2)
+#: Share of a joint's load by which it swings.
+SWING = (0.15, 0.6)
 #: Of held energies: over what sliding over the whole stroke would dissipate.
 HELD = (0.4, 0.75)
 #: Of programmes: load and stroke of a block over the largest ones, and how often the blocks take turns.
@@ -192,7 +195,8 @@ class StickingTest(WireTest):
 class JointTest(WireTest):
     """A joint whose friction and stiffness are known, without bodies and wear.
 
-    spread: by which part its sliders' limits lie around their mean, which no owner states.
+    spread: by which part its sliders' limits lie around their mean, which no owner states. swing: share of the load by
+    which it swings in each cycle, and how often.
     """
 
     kind: ClassVar[str] = "joint"
@@ -201,6 +205,7 @@ class JointTest(WireTest):
     simulator: str = "joint"
     own_N_per_mm: float = 1000.0
     spread: float = 0.1
+    swing: tuple[float, int] | None = None
 
     @property
     def tables(self) -> dict[str, Any]:
@@ -330,6 +335,10 @@ def _drawn_joint(random: np.random.Generator) -> JointTest:
     )
 
 
+def _drawn_swinging(random: np.random.Generator) -> JointTest:
+    return replace(_drawn_joint(random), swing=(round(random.uniform(*SWING), 2), int(random.integers(1, 3))))
+
+
 def _drawn_line(random: np.random.Generator) -> LineTest:
     pad = MATERIALS_MPa[random.integers(len(MATERIALS_MPa))]
     specimen = pad if random.random() < 0.5 else MATERIALS_MPa[random.integers(len(MATERIALS_MPa))]
@@ -365,6 +374,7 @@ _of_others = {
     "blocks": _drawn_in_blocks,
     "energy": _drawn_holding_energy,
     "force": _drawn_holding_force,
+    "swinging": _drawn_swinging,
 }
 
 

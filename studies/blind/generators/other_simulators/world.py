@@ -19,7 +19,8 @@ class World:
     """One test; mm, N, MPa, s, unless named otherwise.
 
     programme: cycles of each block, and its load and stroke over those of the test. held: key and value of what the
-    drive holds by a stroke of `amplitude_mm` at most. `causes` are those of no library.
+    drive holds by a stroke of `amplitude_mm` at most. swing: share of the load by which it swings, and how often in a
+    cycle. `causes` are those of no library.
     """
 
     friction: float
@@ -55,6 +56,7 @@ class World:
     causes: tuple[OtherCause, ...] = ()
     programme: tuple[tuple[int, float, float], ...] = ()
     held: tuple[str, float] | None = None
+    swing: tuple[float, int] | None = None
 
     def during(self, cycle: float) -> "World":
         """The world under the load and the stroke of the block to which a cycle belongs."""
