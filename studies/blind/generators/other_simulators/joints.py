@@ -43,12 +43,12 @@ class Sliders(Pair):
         return np.asarray(2.0 * share[:-1] - share[-1])
 
     def under(self, way_mm: Array, friction: float, load_N: Array) -> Array:
-        """Friction over its limit of the moment along a stroke after one in which all has slid, under loads (n,)."""
+        """Friction over its limit of the moment along a stroke after one in which all has slid, under loads (n,).
+
+        No limit grows faster than the springs are pulled, so that what slips goes on to the stroke's end.
+        """
         low, high = self.limits
         limits = low + (high - low) * (np.arange(SLIDERS) + 0.5) / SLIDERS
-        step, most = self.stiffness * np.diff(way_mm, prepend=0.0), friction * load_N
-        pulled, found = -limits * most[0], []
-        for further, limit in zip(step, most, strict=True):
-            pulled = np.clip(pulled + further, -limits * limit, limits * limit)
-            found.append(float(pulled.mean()) / limit)
-        return np.array(found)
+        most = friction * load_N[:, None] * limits
+        pulled = np.minimum(self.stiffness * way_mm[:, None] - most[0], most)
+        return np.asarray(pulled.mean(axis=1) / (friction * load_N))
