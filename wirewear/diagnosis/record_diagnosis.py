@@ -140,7 +140,8 @@ def judged(
     gap = _located(found, record)
     weighing = _weighed(found, gap)
     checked = _checked(found, gap, weighing, states, observed)
-    if not checked.shrink.borne_out:
+    # Further records are not left out: they speak for what this one hardly shows.
+    if not (checked.shrink.borne_out or further):
         weighing = _judged_by(found, gap, weighing.considered.withdrawn(weighing.best.names))
         checked = _checked(found, gap, weighing, states, observed)
     diagnosis = _stated(found, gap, weighing, checked, record, study, observed, further)
