@@ -14,7 +14,7 @@ from tests.studies import WEARING, steel_wires
 from wirewear import reference
 from wirewear.simulation import simulate
 from wirewear.simulation.cells import punch_stiffness
-from wirewear.simulation.control import core_once_worn
+from wirewear.simulation.control import core_of_held_force, core_once_worn
 from wirewear.simulation.core_lines import fitted_to_core, loop_error, up_to_core, wear_error
 from wirewear.simulation.discretisation import discretise
 from wirewear.simulation.expected_contact import Ellipse
@@ -22,7 +22,7 @@ from wirewear.simulation.meshes import core_stages
 from wirewear.test import parse_study, study_from_tables
 from wirewear.verification import hertz
 from wirewear.verification.partial_slip import FRICTION
-from wirewear.verification.partial_slip_run import held_force_shape, held_force_study
+from wirewear.verification.partial_slip_run import held_force_shape, held_force_study, study_of
 
 
 @pytest.mark.parametrize(("elements", "q", "longer"), [(8, 0.15, 1.0), (8, 0.3, 3.0), (8, 0.8, 1.5), (12, 0.2, 1.0)])
@@ -94,6 +94,22 @@ def test_a_core_under_a_held_load_and_stroke_grows_as_far_as_rings_that_wear_lea
     assert grown(0.0) == pytest.approx(once_worn, abs=0.0011)
     assert grown(2.0 / 22461.5) == pytest.approx(0.5 * (grown(0.0) + fresh), abs=1e-4)
     assert grown(0.0, held_tangential_force_N=24.0 * share) == grown(0.0, approach_um=2.2) == fresh
+
+
+@pytest.mark.parametrize("share", [0.05, 0.3, 0.57])
+def test_under_a_held_approach_a_core_shrinks_until_the_load_that_is_left_just_bears_the_force(share: float) -> None:
+    def core(**further: float) -> float:
+        held = {"normal_load_N": 40.0, "held_tangential_force_N": share * FRICTION * 40.0}
+        found = core_of_held_force(
+            study_of({"shape": "flat"}, {"shape": "ball", "diameter_mm": 12.7}, 30.0, 1, held | further)
+        )
+        assert found is not None
+        return found
+
+    shrunk = core(approach_um=2.2)
+    # Popov 2014: a core of radius c bears µ times 1.5 c (1 - c²) of the fresh load at its edge before it slips.
+    assert 1.5 * shrunk * (1.0 - shrunk**2) == pytest.approx(share)
+    assert 3.0**-0.5 < shrunk < core() == pytest.approx((1.0 - share) ** (1.0 / 3.0))
 
 
 @pytest.mark.parametrize("core", [0.02, 0.3, 0.947])

@@ -7,6 +7,7 @@ increment to another displacement (`measures`).
 from collections.abc import Callable, Mapping
 from dataclasses import dataclass, field, replace
 from functools import partial
+from math import acos, cos, sqrt
 
 import numpy as np
 
@@ -358,6 +359,21 @@ def unused_friction(study: AnyStudy) -> float | None:
         return None
     friction_N = least_friction_N(study)
     return 1.0 - held / friction_N if held < friction_N else None
+
+
+def core_of_held_force(study: Study) -> float | None:
+    """Share (0 to 1) of a fresh contact's axes that sticks for good under the tangential force that a study holds.
+
+    None where that is to be seen, see `unused_friction`. Under a held load it is Cattaneo and Mindlin's; under a held
+    approach it is smaller, as wear takes load away, and none is left beyond 1/√3 of what slides at first (Popov 2014).
+    """
+    unused = unused_friction(study)
+    if unused is None:
+        return None
+    below = sqrt(3.0) * (1.0 - unused)
+    if study.conditions.approach_um is None or below > 1.0:
+        return float(unused ** (1.0 / 3.0))
+    return 2.0 / sqrt(3.0) * cos(acos(-below) / 3.0)
 
 
 def core_once_worn(study: Study, core: float, compliance_mm_per_N: float) -> float:

@@ -22,7 +22,7 @@ from solvers import ContactProblem, ContactState, recoated, stuck_share, transfe
 from solvers.contact_state import WearState
 from solvers.transfer import lies_within
 from wirewear.base.errors import StudyError
-from wirewear.simulation.control import core_once_worn, point_sticks, unused_friction
+from wirewear.simulation.control import core_of_held_force, core_once_worn, point_sticks
 from wirewear.simulation.discretisation import Discretisation, ElementSizes, affordable_meshes, discretise, follows
 from wirewear.simulation.expected_contact import ExpectedContact, stands_out
 from wirewear.simulation.line_model import LinePlan, bodies, limit_of_lines, line_problem
@@ -261,10 +261,9 @@ class PointMeshes(_CoatedMeshes):
 
     @property
     def _stated_core(self) -> float | None:
-        """Cattaneo and Mindlin's core under the tangential force that a study holds; None where that is to be seen."""
+        """The core under the tangential force that a study holds; None where that is to be seen."""
         one_block = len(self.study.schedule.stretches) == 1
-        unused = unused_friction(self.study) if one_block and self.for_core is not None else None
-        return None if unused is None else unused ** (1.0 / 3.0)
+        return core_of_held_force(self.study) if one_block and self.for_core is not None else None
 
     def problem(self, history: MeshHistory, announce: Announce) -> ContactProblem:
         meshes = self.every[history.stage]
