@@ -4,6 +4,7 @@ from pathlib import Path
 
 import pytest
 
+from studies.real_rigs.diagnose import record_of as real_record
 from tests.commands import wirewear
 from tests.records.joint_records import FORCE_N, OWN_N_per_mm, Rig, joint
 from wirewear import read_record
@@ -58,3 +59,12 @@ def test_the_command_takes_a_joint_and_its_fitted_study(tmp_path: Path) -> None:
     assert f"{FORCE_N:g}" not in answer.stderr
     wirewear("diagnose", record, "--output", tmp_path / "stated", "--confirm")
     assert "states no bodies" in (tmp_path / "stated" / "diagnosis.json").read_text()
+
+
+@pytest.mark.seconds
+def test_a_dampers_play_of_millimetres_is_fitted_under_kilonewtons(tmp_path: Path) -> None:
+    """A banded damper with backlash, whose band is at 80 lb; half the distance of its plateaus is 12.6 kN."""
+    fitted = real_record("2022_80lb_0.5Hz", tmp_path, 12600.0, 3400.0).fit(progress=False)
+    assert fitted.parameters["friction"].value == pytest.approx(1.0, abs=0.05)
+    (play,) = (one.values["gap_um"] for one in fitted.study.effects if one.name == "free_play")
+    assert 1000.0 < play < 4000.0

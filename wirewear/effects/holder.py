@@ -137,7 +137,7 @@ class FreePlay(Effect[Holder]):
 
     gap_um: float = parameter(
         "width of the play",
-        Quantity("um", 0.0, 1e3),
+        Quantity("um", 0.0, 1e5),
         neutral=0.0,
         easy=4.0,
         hard=0.8,

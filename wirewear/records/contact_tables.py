@@ -18,7 +18,7 @@ from wirewear.results.scar import BODIES
 from wirewear.test import keys, study_from_tables
 from wirewear.test.bodies import Body, CoatedBody, MaterialKeys
 from wirewear.test.faces import FACE_KEYS, PadFace, half_width_of
-from wirewear.test.joints import AskedOfJoint, JointStiffness
+from wirewear.test.joints import AskedOfJoint, Force, JointStiffness
 from wirewear.test.keys import Inconsistency, Table, one_of
 from wirewear.test.lengths import stated_length_mm, whole_test
 from wirewear.test.line_bodies import Extent, Pad, Specimen
@@ -295,7 +295,7 @@ class StatedOfJoint(tables.StatedRig):
 
     WEAR: ClassVar[tuple[str, ...]] = ()
 
-    friction_force_N: keys.NormalLoad | None = Field(
+    friction_force_N: Force | None = Field(
         None, description="friction force, in place of friction; without a normal load it stands for that, too"
     )
 

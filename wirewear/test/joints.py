@@ -19,11 +19,13 @@ from wirewear.test.tables import CommonTables, StatesItsKind
 from wirewear.test.template import Template
 
 Stroke = Annotated[float, PlainValidator(Quantity("um", 0.1, 1e5))]
+Force = Annotated[float, PlainValidator(Quantity("N", 1e-3, 1e7))]
 
 
 class AskedOfJoint(Asked):
-    """Keys of load, stroke and length of a joint's test; the stroke may be centimetres."""
+    """Keys of load, stroke and length of a joint's test; loads may be meganewtons, strokes centimetres."""
 
+    normal_load_N: Force = Field(description="normal load in the joint", examples=[130.0])
     displacement_amplitude_um: Stroke = Field(
         description="imposed displacement amplitude, half the stroke", examples=[60.0]
     )

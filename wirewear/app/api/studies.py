@@ -25,7 +25,7 @@ if TYPE_CHECKING:
     from wirewear.diagnosis import Diagnosed
     from wirewear.diagnosis.fit import FittedTest
     from wirewear.results import RunResult
-    from wirewear.test import LineStudy, Study
+    from wirewear.test import AnyStudy, LineStudy, Study
 
 
 @dataclass(frozen=True, eq=False, repr=False)
@@ -88,7 +88,7 @@ class Record(ExperimentRecord[Any, Any]):
     def diagnose(
         self,
         *,
-        model: Study | LineStudy | None = None,
+        model: AnyStudy | None = None,
         further: Sequence[AnyRecord] = (),
         without: Sequence[str] = (),
         progress: bool = True,

@@ -1,0 +1,1 @@
+"""Real rigs whose cause is known: what the diagnosis says of their loops."""
