@@ -6,6 +6,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from geometry.arrays import Array, BoolArray
+from wirewear.base.frame import figure
 from wirewear.base.words import counted
 from wirewear.diagnosis.calibration import constants
 from wirewear.diagnosis.infer.distortions import SIZES, Distortion, columns_of
@@ -188,27 +189,29 @@ def _amount(part: Part, change: Array, largest: int, *, reads: bool) -> str:
     branch = int(sites.branch[largest])
     value = float(change[largest]) * (branch or 1)
     if isinstance(observable, ProfileDepths):
-        return f"the {sites.body[largest]} wears too {'much' if value > 0.0 else 'little'}, by {abs(value):.2g} µm"
+        return (
+            f"the {sites.body[largest]} wears too {'much' if value > 0.0 else 'little'}, by {figure(abs(value), 2)} µm"
+        )
     if observable.unit == "relative":
-        return f"{observable.words} {100.0 * abs(np.expm1(value)):.2g} % {'more' if value > 0.0 else 'less'}"
+        return f"{observable.words} {figure(100.0 * abs(np.expm1(value)), 2)} % {'more' if value > 0.0 else 'less'}"
     if observable.unit == "1":
-        return f"{observable.words} {abs(value):.2g} {'more' if value > 0.0 else 'less'}"
+        return f"{observable.words} {figure(abs(value), 2)} {'more' if value > 0.0 else 'less'}"
     unit = observable.unit.replace("um", "µm")
     if isinstance(observable, PlateauForce):
-        size = f"{abs(value):.2g} {unit} {'more' if value > 0.0 else 'less'}"
+        size = f"{figure(abs(value), 2)} {unit} {'more' if value > 0.0 else 'less'}"
         return f"it reads {size}" if reads else f"{size} resistance"
-    return f"{observable.words} {abs(value):.2g} {unit} {'more' if value > 0.0 else 'less'}"
+    return f"{observable.words} {figure(abs(value), 2)} {unit} {'more' if value > 0.0 else 'less'}"
 
 
 def _alike_place(problem: Problem, part: Part, largest: int, present: BoolArray) -> str:
     level, branch = float(part.sites.level[largest]), int(part.sites.branch[largest])
     if isinstance(part.observable, PlateauForce):
         both = {int(np.sign(at)) for at in part.sites.level[present & (np.abs(part.sites.level) > 1e-9)]} == {-1, 1}
-        at = f"{abs(level):.2g} µm to either side" if both else f"{level:+.2g} µm"
+        at = f"{figure(abs(level), 2)} µm to either side" if both else f"{figure(level, 2, sign=True)} µm"
         middle = abs(level) < 0.1 * problem.setup.amplitude_um
-        return "at mid-stroke" if middle else f"at {at} of the middle".replace("-", "−")
+        return "at mid-stroke" if middle else f"at {at} of the middle"
     if isinstance(part.observable, Stick):
-        return f"at {level * branch:+.2g} N after a reversal".replace("-", "−")
+        return f"at {figure(level * branch, 2, sign=True)} N after a reversal"
     zone = str(part.observable.zone(part.sites, problem.setup.amplitude_um)[largest])
     return next(one.words for one in part.observable.zones if one.name == zone)
 

@@ -11,6 +11,7 @@ from scipy.linalg import cho_factor, cho_solve
 from scipy.special import chdtrc
 
 from geometry.arrays import Array, BoolArray
+from wirewear.base.frame import figure
 from wirewear.base.words import counted
 from wirewear.diagnosis.calibration import constants
 from wirewear.diagnosis.infer.covariance import Covariance
@@ -176,7 +177,7 @@ def _compared(observable: Observable, difference: float) -> str:
     """``0.3 N above``; of a logarithm ``12.0 % above``, or ``10 times smaller than``."""
     side = observable.sides[0 if difference > 0.0 else 1]
     if observable.unit != "relative":
-        return f"{abs(difference):.3g} {_unit(observable)} {side}"
+        return f"{figure(abs(difference))} {_unit(observable)} {side}"
     ratio = float(np.exp(difference))
     if 0.5 <= ratio <= 2.0:
         return f"{100.0 * abs(ratio - 1.0):.1f} % {side}"
