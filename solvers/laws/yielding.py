@@ -11,7 +11,7 @@ fitted to the largest pressures of finite elements for spheres (J2, perfectly pl
 elastic.
 """
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import numpy as np
 from numpy.typing import ArrayLike
@@ -19,6 +19,8 @@ from numpy.typing import ArrayLike
 from geometry.arrays import Array, IntArray
 
 _GROWTH, _LARGEST = 0.205, 2.95  #: Growth with ln(P/P_y) and largest value of H / sigma_y, see above.
+#: The limit rises by this share where the print is as deep as Hertz' approach, which keeps the equations regular.
+_RISE = 0.005
 #: Strain of an indentation is 0.2 a/R (Tabor, The Hardness of Metals (1951)); the contact's radius a grows about with
 #: this power of the load, between Hertz' 1/3 and full plasticity's 1/2.
 _SPREADING = 0.4
@@ -62,7 +64,9 @@ class PressureLimit:
     hardening_MPa: float = 0.0  #: Rise of the yield stress per plastic strain.
     first_yield_strain: float = 0.0  #: Strain 0.2 a/R of the indentation at first yield.
     share_borne: float = 1.0  #: Factor of the limit of spheres that these bodies bear.
-    printed_load: float = 0.0  #: Load whose prints the surfaces have from the outset: up to it they yield no more.
+    printed_load: float = (
+        0.0  #: Load whose prints the surfaces have from the outset: up to it the limit is that load's.
+    )
 
     def share(self, *, upper: bool) -> float:
         return self.upper_share if upper else 1.0 - self.upper_share
@@ -78,8 +82,14 @@ class PressureLimit:
         """The limits at k nodes under a load in N, one or (k,), with the prints `printed_mm` (k,) that both bodies
         together have already.
         """
-        # Factor of a limit that no pressure reaches.
-        limit = self.limit_MPa(load) * np.where(np.asarray(load) > self.printed_load, 1.0, 1e3)
-        # It rises by this share where the print is as deep as Hertz' approach, which keeps the equations regular.
-        rise = np.broadcast_to(0.005 * limit / self.overlap_mm, printed_mm.shape)
+        limit = self.limit_MPa(np.maximum(load, self.printed_load))
+        rise = np.broadcast_to(_RISE * limit / self.overlap_mm, printed_mm.shape)
         return YieldAtNodes(limit + rise * printed_mm, rise)
+
+    def borne_MPa(self, largest_MPa: float, load: float, printed_mm: float) -> "PressureLimit":
+        """This limit for bodies that already have prints, of both together printed_mm deep, from a load (as in
+        `limit_MPa`) under which they bear largest_MPa there.
+        """
+        unrisen = largest_MPa / (1.0 + _RISE * printed_mm / self.overlap_mm)
+        # Loads that effects change by round-off are no larger ones.
+        return replace(self, share_borne=unrisen / float(self.limit_MPa(load)), printed_load=load * (1.0 + 1e-6))

@@ -36,6 +36,14 @@ def limit_at(beyond: float) -> PressureLimit:
     return PressureLimit(stress, RATIO, known.LOAD_N / beyond, HERTZ.approach_mm)
 
 
+def test_printed_bodies_bear_what_they_did_under_any_load_up_to_it() -> None:
+    fresh, load = limit_at(8.7), known.LOAD_N
+    limit = fresh.borne_MPa(1234.0, load, 0.3 * fresh.overlap_mm)
+    unloaded, again, more = limit.at_nodes(load * np.array([0.2, 1.0, 3.0]), np.full(3, 0.3 * fresh.overlap_mm)).limit
+    assert (unloaded, again) == pytest.approx((1234.0, 1234.0), rel=1e-5)
+    assert more / again == pytest.approx(float(fresh.limit_MPa(3.0 * load) / fresh.limit_MPa(load)), rel=1e-5)
+
+
 def prints_of(state: ContactState) -> tuple[Array, Array]:
     primary, secondary = state.wear.prints
     assert primary is not None

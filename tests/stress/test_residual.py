@@ -14,6 +14,7 @@ from tests.simulation.test_yielding_runs import wires
 from tests.stress.fatigue_data import OWN, STRENGTH, B
 from tests.stress.interior_runs import CYCLE, run_with_forces
 from wirewear.results import RunResult
+from wirewear.results.values import YIELD_STRESS
 from wirewear.simulation.near_zone import near_zone_of
 from wirewear.stress import body_grid, body_states
 from wirewear.stress.bodies import BodyState
@@ -51,6 +52,23 @@ def test_stresses_inside_a_wire_have_the_residual_stress_that_is_left_beneath_it
     assert np.abs(force).max() < 1e-5 * np.abs(with_it.body.points.internal_forces(with_it.stress_at_points)).max()
     assert "residual_stress_MPa" in body_grid(with_it).point_data
     assert "residual_stress_MPa" not in body_grid(without).point_data
+
+
+def test_friction_on_metal_is_no_more_than_it_bears_in_shear() -> None:
+    run = run_with_forces()
+
+    def parts(result: RunResult) -> tuple[Array, Array]:
+        """Pressure and shear at the nodes at all positions of the cycle, MPa."""
+        found = [(one.traction_MPa, one.surface_normal) for one in states(result)]
+        pressing = np.array([np.einsum("nk,nk->n", *one) for one in found])
+        shear = [t - p[:, None] * n for (t, n), p in zip(found, pressing, strict=True)]
+        return pressing, np.linalg.norm(shear, axis=-1)
+
+    pressing, shear = parts(run)
+    borne = 0.5 * float(shear.max())
+    limited = parts(replace(run, settings={**run.settings, YIELD_STRESS: np.sqrt(3.0) * borne}))
+    assert limited[0] == pytest.approx(pressing, rel=0.03, abs=1e-2 * borne)
+    assert limited[1] == pytest.approx(np.minimum(shear, borne), rel=0.03, abs=1e-2 * borne)
 
 
 def strained_layer(left_mm: float) -> Array:

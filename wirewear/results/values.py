@@ -47,6 +47,7 @@ FLOW_CYCLES, FLOW, RATCHETTING, SKIN, ENDLESS, FLOW_ENERGY = (
     )
 )  # fmt: skip
 
+YIELD_STRESS = "fresh_yield_stress_MPa"  #: Setting of a result: yield stress of the softer of bodies that yield.
 #: Settings of a result with the largest pressure that the softer body bears, and its source in words.
 BORNE, BORNE_IS = "borne_pressure_MPa", "borne_pressure_is"
 T = TypeVar("T")

@@ -31,7 +31,7 @@ from wirewear.test.gaps import hertz_of
 NEAR_ZONE = "near zone"  #: What a study's `plasticity` is called.
 #: What these settings change stands in studies/yielding_wires/README.md.
 #: Points to the smaller semi-axis for pressing and for sliding, semi-axes around, points along a side.
-_PRESSED, _SLID, _MARGIN, _MOST = 5.0, 4.0, 4.0, 129
+_PRESSED, _SLID, _MARGIN, _MOST = 9.0, 4.0, 4.0, 129
 _LAYERS = np.asarray(0.1 * 1.1 ** np.arange(15), dtype=np.float64)  #: Over the smaller semi-axis.
 _LOADS = (np.arange(1, 17) / 16) ** 2  #: Steps of the load.
 #: Most cycles, and most steps from mid-stroke to its end, which are of a point or more.
@@ -88,11 +88,10 @@ class NearZone:
         return self.sliding.printed(problem, wear, rubbed.unloaded, rubbed.work_mJ)
 
     def limited(self, limit: PressureLimit) -> PressureLimit:
-        """The limit of pressures that prints these bodies under larger loads: under this one, the largest there was."""
-        largest = largest_MPa(-self.pressing.rubbed.pressed[0].traction_MPa[..., 2])
-        borne = largest / float(limit.limit_MPa(self.load_N))
-        # Loads that effects change by round-off are no larger ones.
-        return replace(limit, share_borne=borne, printed_load=self.load_N * (1.0 + 1e-6))
+        """The limit of pressures that prints these bodies further: up to this load, the largest there was."""
+        upper, lower = self.pressing.rubbed.pressed
+        deepest = float((-upper.residual_mm - lower.residual_mm)[..., 2].max())
+        return limit.borne_MPa(largest_MPa(-upper.traction_MPa[..., 2]), self.load_N, deepest)
 
     def strains(self, driven: str, held: str) -> tuple[PlasticStrain, ...]:
         """Plastic strain that cycles have left in the bodies of these names, of those that have flowed."""

@@ -7,6 +7,7 @@ from math import pi, sqrt
 
 from solvers import ContactProblem, IncrementReport, PressureLimit
 from wirewear import reference
+from wirewear.results.values import YIELD_STRESS
 from wirewear.test import AnyStudy, Study
 from wirewear.test.gaps import hertz_of
 
@@ -39,15 +40,18 @@ def pressure_limit(
     ratio = reference.first_yield_ratio(minor / major, materials[softer].poissons_ratio)
     modulus = reference.contact_modulus(materials[driven], materials[held])
     beyond = (pressure_MPa / (ratio * stress)) ** power
+    upper_share = 0.5 if alike else float(softer == held)
+    # Equal bodies share the curvature of the gap.
+    curving = max(upper_share, 1.0 - upper_share)
     return PressureLimit(
         yield_stress_MPa=stress,
         first_yield_ratio=ratio,
         first_yield_load=load / beyond,
         overlap_mm=pressure_MPa * minor / modulus,
-        upper_share=0.5 if alike else float(softer == held),
+        upper_share=upper_share,
         hardening_MPa=hardening,
         # The strain is 0.2 a/R (Tabor, The Hardness of Metals (1951)); a/R about 1.6 p0/E*, of lines 2 p0/E*.
-        first_yield_strain=0.2 * (1.57 if power > 2.0 else 2.0) * ratio * stress / modulus,
+        first_yield_strain=0.2 * curving * (1.57 if power > 2.0 else 2.0) * ratio * stress / modulus,
     )
 
 
@@ -78,7 +82,7 @@ def limit_settings(problem: ContactProblem, pressed: IncrementReport, *, line: b
     first_mean_MPa = (0.25 * pi if line else 2.0 / 3.0) * limit.first_yield_ratio * limit.yield_stress_MPa
     wider = pressed.contact_area * first_mean_MPa / limit.first_yield_load
     return {
-        "fresh_yield_stress_MPa": limit.yield_stress_MPa,
+        YIELD_STRESS: limit.yield_stress_MPa,
         "fresh_first_yield_load_N": limit.first_yield_load,
         "fresh_pressure_limit_MPa": float(limit.limit_MPa(load)),
         "fresh_mean_pressure_over_yield": pressed.normal_force / pressed.contact_area / limit.yield_stress_MPa,

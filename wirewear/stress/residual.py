@@ -1,11 +1,13 @@
-"""Residual stress that the first cycles of a contact at a point leave in bodies whose metal flows.
+"""What yield changes inside bodies: the friction that they bear, and the residual stress of contacts at a point.
 
-Plastic strain stays with the metal, and acts as initial strain of what wear has left of the body: metal that is taken
-away no longer holds the rest, and the worn surface is free of stress.
+A run keeps the friction that its study states; inside, tractions beyond the yield stress in shear would be stresses
+that metal cannot have. Plastic strain stays with the metal, and acts as initial strain of what wear has left of the
+body: metal that is taken away no longer holds the rest, and the worn surface is free of stress.
 """
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from functools import cached_property
+from math import sqrt
 
 import numpy as np
 from scipy.ndimage import map_coordinates
@@ -16,7 +18,25 @@ from solvers.elasticity.placement import rotation_to_world
 from solvers.elasticity.strain import IntegrationPoints, turned
 from solvers.stress.interior import Interior
 from wirewear.results import ContactForces, RunResult
-from wirewear.results.values import PlasticStrain
+from wirewear.results.values import YIELD_STRESS, PlasticStrain
+
+
+def with_friction_borne(result: RunResult, forces: ContactForces, patch: ContactPatch) -> ContactForces:
+    """Contact forces on a body with surface `patch`, whose friction is at most the yield stress in shear, by von Mises,
+    of the softer body of the run; unchanged where no body yields.
+    """
+    if (yields_MPa := result.settings.get(YIELD_STRESS)) is None:
+        return forces
+    slope = patch.gradient(patch.height(patch.grid()).reshape(patch.shape))[forces.nodes]
+    across = np.column_stack([-slope, np.ones(len(slope))])
+    stretched = np.linalg.norm(across, axis=1)
+    normal = across / stretched[:, None]
+    pressing = np.einsum("kmi,mi->km", forces.force_N, normal)[..., None] * normal
+    friction = forces.force_N - pressing
+    size = np.linalg.norm(friction, axis=-1)
+    borne = float(yields_MPa) / sqrt(3.0) * stretched * patch.node_areas()[forces.nodes]
+    share = np.minimum(borne / np.maximum(size, np.finfo(np.float64).tiny), 1.0)
+    return replace(forces, force_N=pressing + share[..., None] * friction) if share.min() < 1.0 else forces
 
 
 @dataclass(frozen=True, eq=False)

@@ -26,7 +26,7 @@ from solvers.stress.line_surface_stress import LineSurfaceStress
 from solvers.stress.surface_stress import SurfaceStress
 from wirewear.results import ContactForces, RunResult
 from wirewear.stress.coats import coats_of
-from wirewear.stress.residual import Residual, residual_of
+from wirewear.stress.residual import Residual, residual_of, with_friction_borne
 
 if TYPE_CHECKING:
     import pyvista
@@ -267,6 +267,7 @@ class Inside(Generic[S]):
         forces = result.forces(cycle, body)
         chosen = list(range(len(forces.phase))) if at is None else [forces.position(one) for one in at]
         of_body = self.body(result, forces, worn)
+        forces = with_friction_borne(result, forces, of_body.patch)
         solved = of_body.points, of_body.interior, of_body.material
         residual = residual_of(result, forces, of_body.patch, *solved)
         coats = coats_of(result, forces, of_body.patch, of_body.material, chosen)

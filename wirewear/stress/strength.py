@@ -148,7 +148,9 @@ class Strength:
     critical_plane_normal, crossland_MPa, crossland_amplitude_MPa, largest_hydrostatic_MPa; all zero farther away.
     surface: (t, 4) facets of its contact patch, none of a line contact. von_mises, critical_plane, crossland: where
     each is largest. Stresses are averaged over a stated length; where it is 0, those at the surface are corrected
-    between the nodes, and a node shows the worst of the points nearest to it. flowed: whether they include the residual
+    between the nodes, and a node shows the worst of the points nearest to it. swing: largest half range of the stress
+    of a cycle, as a von Mises stress: metal in which it exceeds the yield stress flows in every cycle, and other metal
+    that hardens shakes down (Melan; residual stress does not change it). flowed: whether they include the residual
     stress of metal that has flowed.
     """
 
@@ -161,6 +163,7 @@ class Strength:
     von_mises: Where
     critical_plane: Where
     crossland: Where
+    swing: Where
     flowed: bool = False
 
     @property
@@ -283,6 +286,7 @@ def assessed(body: Shown, points: MaterialPoints, nodes: IntArray, asked: Streng
         von_mises=where(equivalent.max(axis=0), worst),
         critical_plane=where(planes.parameter),
         crossland=where(combined),
+        swing=where(np.sqrt(3.0) * limits.amplitude_MPa),
         flowed=body.flowed,
     )
 
@@ -309,10 +313,14 @@ def yield_sentence(course: Sequence[Strength]) -> str:
     begin, last = yielding[0], yielding[-1]
     after = [one.cycle for one in course if one.cycle > last.cycle]
     until = f"; the next one looked at, {counted(after[0])}, does not" if after else ", the last one looked at"
+    flowing = [one for one in yielding if one.swing.value_MPa > first.asked.yield_strength_MPa]
+    swing = max(one.swing.value_MPa for one in flowing or yielding)
+    to = f"flows in every cycle until {counted(flowing[-1].cycle)}" if flowing else "can shake down"
     return (
         f"{body}: yields at {limit} from cycle {counted(begin.cycle)} ({begin.von_mises.value_MPa:.0f} MPa, "
         f"{begin.von_mises.depth_um:.1f} µm deep at x = {begin.von_mises.x_um:.0f} µm) to cycle {counted(last.cycle)}"
-        f"{until}. {'Residual stress is part of them' if first.flowed else 'Stresses beyond yield are elastic ones'}."
+        f"{until}. Stresses beyond yield are elastic ones{', residual stress included' * first.flowed}: metal flows "
+        f"instead, and bears its yield stress. They swing by ±{swing:.0f} MPa at most, so it {to}."
     )
 
 

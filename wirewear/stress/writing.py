@@ -133,7 +133,7 @@ def strength_table(strengths: Sequence[Strength]) -> Table:
         table.add_row(
             cycle_name(one.cycle),
             one.name,
-            f"{one.von_mises.value_MPa:.0f}",
+            f"{one.von_mises.value_MPa:.0f}{', if elastic' if one.yields else ''}",
             f"{one.von_mises.depth_um:.1f}",
             {None: "", True: "yes", False: "no"}[one.yields],
             f"{one.critical_plane.value_MPa:.2f}",
@@ -247,6 +247,7 @@ def _row(one: Strength) -> dict[str, float | int | str | bool | None]:
         ("von_mises", one.von_mises),
         ("smith_watson_topper", one.critical_plane),
         ("crossland", one.crossland),
+        ("swing", one.swing),
     ):
         row |= {
             f"{name}_MPa": where.value_MPa,
