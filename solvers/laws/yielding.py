@@ -64,9 +64,7 @@ class PressureLimit:
     hardening_MPa: float = 0.0  #: Rise of the yield stress per plastic strain.
     first_yield_strain: float = 0.0  #: Strain 0.2 a/R of the indentation at first yield.
     share_borne: float = 1.0  #: Factor of the limit of spheres that these bodies bear.
-    printed_load: float = (
-        0.0  #: Load whose prints the surfaces have from the outset: up to it the limit is that load's.
-    )
+    printed_load: float = 0.0  #: Load whose prints surfaces have from the outset: below it the limit is that load's.
 
     def share(self, *, upper: bool) -> float:
         return self.upper_share if upper else 1.0 - self.upper_share

@@ -146,7 +146,9 @@ def elastic(overlap: Array, stiffness: Array) -> tuple[Array, Array]:
 
 
 def limited(overlap: Array, stiffness: Array, limit: Array) -> tuple[Array, Array]:
-    """As `elastic`, but pressures hardly rise beyond limits (k,), and the second array is their ratio to overlaps."""
+    """(pressures, their ratios to overlaps, 0 without contact), of the shape of overlaps (k, …), of foundations of
+    stiffnesses (k,) whose pressures hardly rise beyond limits (k,).
+    """
     free, rising = elastic(overlap, stiffness)
     most = limit[:, None, None, None]
     pressure = np.where(free > most, most + _RISE * (free - most), free)
