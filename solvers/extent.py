@@ -29,7 +29,7 @@ class Footprint:
     @cached_property
     def area(self) -> float:
         """Area of contact in the plane, mm²."""
-        return extent(self.patch, self.pressure)[0]
+        return float(areas([self])[0])
 
     @cached_property
     def half_widths(self) -> Array:
@@ -48,17 +48,23 @@ def half_widths(footprints: Sequence[Footprint]) -> Array:
     return np.asarray(0.5 * np.maximum(high - low, 0.0))
 
 
-def extent(patch: ContactPatch, pressure: Array) -> tuple[float, Array]:
-    """Area of contact in mm², and places (k, 2) of its edge along the patch's lines, from pressures (n,) at the nodes
-    of the patch that are 0 where it does not touch; of a line contact the area is that of one millimetre.
+def areas(footprints: Sequence[Footprint]) -> Array:
+    """(s,) areas in mm² of s contacts of one patch in the plane; of a line contact, of one millimetre of it."""
+    return extent(footprints[0].patch, np.stack([own.pressure for own in footprints]))[0] if footprints else np.zeros(0)
+
+
+def extent(patch: ContactPatch, pressures: Array) -> tuple[Array, list[Array]]:
+    """Areas (s,) of contact in mm², and of each places (k, 2) of its edge along the patch's lines, from pressures
+    (s, n) at the nodes of the patch that are 0 where it does not touch; of a line contact areas are those of one
+    millimetre.
     """
-    (edge,), (there,), chords = _edges(patch, pressure[None])
+    edges, there, chords = _edges(patch, pressures)
+    places = [edge[at] for edge, at in zip(edges, there, strict=True)]
     if len(chords) == 1:
-        return float(chords[0][0, 0]), edge[there]
-    across, along = (
-        _area(lines, own[0]) for lines, own in zip((patch.transverse_mm, patch.axial_mm), chords, strict=True)
-    )
-    return 0.5 * (across + along), edge[there]
+        return np.asarray(chords[0][:, 0]), places
+    both = zip((patch.transverse_mm, patch.axial_mm), chords, strict=True)
+    across, along = (np.array([_area(lines, own) for own in chord]) for lines, chord in both)
+    return 0.5 * (across + along), places
 
 
 def _edges(patch: ContactPatch, pressures: Array) -> tuple[Array, BoolArray, list[Array]]:

@@ -148,7 +148,8 @@ def _sheared(layers: Sequence[ContactLayer], pressure: Array, worn: Array) -> tu
 
 def _sum(parts: list[tuple[Array, Array]]) -> tuple[Array, Array]:
     values, derivatives = zip(*parts, strict=True)
-    return np.sum(values, axis=0), np.sum(derivatives, axis=0)
+    # Of the few parts, arrays of them cost more than their sum.
+    return np.asarray(sum(values)), np.asarray(sum(derivatives))
 
 
 def retained_share(layers: Sequence[ContactLayer]) -> float:

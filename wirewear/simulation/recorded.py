@@ -13,7 +13,7 @@ import numpy as np
 
 from geometry import Arc
 from solvers import ContactProblem, ContactState, CycleTrace, IncrementReport, SolverError, bulk_work, measured_holder
-from solvers.extent import half_widths
+from solvers.extent import areas, half_widths
 from wirewear.base.cache import installed
 from wirewear.base.course import enclosed_energy
 from wirewear.results import (
@@ -111,7 +111,9 @@ def yielded(
     """Columns of the evolution's row for bodies that yield (see `COLUMN_MEANINGS`); empty for elastic bodies."""
     if problem.limit is None:
         return {}
-    pressures = [report.normal_force / report.contact_area for report in trace.reports if report.contact_area > 0.0]
+    touching = [report for report in trace.reports if report.footprint is not None]
+    within = areas([report.footprint for report in touching if report.footprint is not None])
+    pressures = [report.normal_force / area for report, area in zip(touching, within, strict=True) if area > 0.0]
     bodies, prints = (problem.primary, problem.secondary), state.wear.prints
     volumes = (
         float(body.node_areas @ np.maximum(depth, 0.0).ravel())
