@@ -241,7 +241,7 @@ def test_a_record_without_a_gap_stays_so_with_another_one() -> None:
     assert answer.verdict == "no_gap"
 
 
-@pytest.mark.seconds
+@pytest.mark.slow
 def test_a_gap_that_a_further_record_does_not_show_is_no_effect_of_the_rig() -> None:
     answer = diagnosis_of(one_loop("spring", "sensor", 1, 100), one_loop("none", "sensor", 2, 100))
     assert answer.verdict != "explained"
