@@ -6,7 +6,6 @@ Each record of cases.toml states the fit of another setting, or an ideal slider:
 set, or what its builders wrote of it. DIR gets the records, their diagnoses and answers.csv.
 """
 
-import csv
 import tomllib
 from pathlib import Path
 from shutil import copyfile
@@ -16,9 +15,9 @@ import numpy as np
 
 from studies.study_script import StudyScript
 from wirewear import Record, read_record
-from wirewear.base.writing import prepared_folder
+from wirewear.base.writing import prepared_folder, write_csv
 from wirewear.diagnosis import Diagnosed
-from wirewear.diagnosis.wording import in_words, parameters_in_words
+from wirewear.diagnosis.wording import explanations, in_words, parameters_in_words
 from wirewear.test import AnyStudy
 from wirewear.views.diagnosis_page import write_diagnosis
 
@@ -78,10 +77,9 @@ def diagnosed(file: str, stated: str, folder: Path) -> Diagnosed:
 def answer(found: Diagnosed, cause: str) -> dict[str, object]:
     """One row of the table: what the answer names, its value, and whether the known cause is among it."""
     own = found.diagnosis
-    named = {"no_gap": (), "unexplained": own.partial.causes if own.partial else ()}.get(own.verdict)
-    if named is None:
-        likeliest = own.causes[0]
-        named = own.causes[:2] if likeliest.joint else own.causes[:1]
+    named = own.partial.causes if own.partial else ()
+    if own.verdict in ("explained", "ambiguous"):
+        named = explanations(own.causes, own.equivalent)[0].causes
     alike = {name for one in named for group in own.equivalent if one.effect in group for name in group}
     effects = {one.effect for one in named} | alike
     return {
@@ -104,10 +102,7 @@ def main(output: Path) -> None:
         write_diagnosis(found, folder)
         rows.append(case | answer(found, case["cause"]))
         click.echo("  ".join(str(value) for value in rows[-1].values()))
-    with (output / "answers.csv").open("w", newline="", encoding="utf-8") as file:
-        table = csv.DictWriter(file, rows[0])
-        table.writeheader()
-        table.writerows(rows)
+    write_csv(output / "answers.csv", rows)
 
 
 if __name__ == "__main__":

@@ -28,7 +28,6 @@ def depth_of_cells(along: Array, across: Array, own: tuple[Array, Array], by: tu
 
 @compiled
 def _depths(along: Array, across: Array, own_wide: Array, own_high: Array, by_wide: Array, by_high: Array) -> Array:
-    """As `depth_of_cells`."""
     depth = np.empty(along.shape)
     for i in range(len(own_wide)):
         for j in range(len(by_wide)):
