@@ -84,9 +84,9 @@ Stated = TypeVar("Stated")
 
 
 def with_constants_of_material(table: Stated) -> Stated | dict[str, object]:
-    """The table with the elastic constants of the material that it names and, unless stated, its yield stress and
-    hardening; unchanged if it is no mapping, or names no material or an unknown one. Raises ValueError if it states
-    elastic constants other than the material's.
+    """The table with the elastic constants of the material that it names and, unless it states another yield stress,
+    that and the hardening; unchanged if it is no mapping, or names no material or an unknown one. Raises ValueError if
+    it states elastic constants other than the material's.
     """
     if not isinstance(table, Mapping) or table.get("material") is None:
         return table
@@ -102,7 +102,9 @@ def with_constants_of_material(table: Stated) -> Stated | dict[str, object]:
                 f"gives {key} = {shown(table[key])} beside the material {table['material']!r}, which has {own:g}: give "
                 "the constants or the material, not both"
             )
-    return {**dict(named.yields), **table, **constants}
+    yields = dict(named.yields)
+    stress = yields.get("yield_stress_MPa")
+    return {**(yields if table.get("yield_stress_MPa", stress) == stress else {}), **table, **constants}
 
 
 MaterialName = Annotated[str, PlainValidator(_checked_material)]

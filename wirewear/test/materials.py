@@ -16,7 +16,7 @@ _TABLE = Path(__file__).parent / "materials.toml"
 
 @dataclass(frozen=True)
 class Material:
-    """A material: first name, synonyms (`also`), elastic constants, fatigue data and yield stress.
+    """A material: first name, synonyms (`also`), elastic constants, fatigue data, yield stress and Vickers hardness.
 
     Of each of the three data: its source, and verified: True if that source itself has been read. `fatigue` holds pairs
     (key of `LifeTable`, value), `yields` pairs (key of a body, value); each is empty where the table has none.
@@ -33,6 +33,7 @@ class Material:
     fatigue_verified: bool = True
     #: Yield stress and hardening by the keys of a body, if the name states the material's condition; else empty.
     yields: tuple[tuple[str, float], ...] = ()
+    hardness_HV: float | None = None  #: In that condition; its source is that of the yield stress.
     yields_source: str = ""
     yields_verified: bool = True
 
@@ -87,13 +88,14 @@ def _material(entry: Mapping[str, Any]) -> Material:
         fatigue_source=fatigue.get("source", ""),
         fatigue_verified=fatigue.get("verified", True),
         yields=_data(plasticity),
+        hardness_HV=plasticity.get("hardness_HV"),
         yields_source=plasticity.get("source", ""),
         yields_verified=plasticity.get("verified", True),
     )
 
 
 def _data(table: Mapping[str, Any]) -> tuple[tuple[str, Any], ...]:
-    return tuple(item for item in table.items() if item[0] not in ("source", "verified"))
+    return tuple(item for item in table.items() if item[0] not in ("source", "verified", "hardness_HV"))
 
 
 def names() -> tuple[str, ...]:

@@ -52,7 +52,8 @@ def materials_command() -> None:
             data = ", ".join(f"{key} = {value:g}" for key, value in item.fatigue)
             table.add_row("", "fatigue", "", "", f"{data}; {item.fatigue_note}")
         if item.yields:
-            data = ", ".join(f"{key} = {value:g}" for key, value in item.yields)
+            hardness = () if item.hardness_HV is None else (("hardness_HV", item.hardness_HV),)
+            data = ", ".join(f"{key} = {value:g}" for key, value in item.yields + hardness)
             table.add_row(
                 "", "yields", "", "", f"{data}; {'' if item.yields_verified else 'unread: '}{item.yields_source}"
             )
