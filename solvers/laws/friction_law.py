@@ -93,7 +93,7 @@ class Friction:
     law: FrictionLaw = field(default_factory=Coulomb)
     #: How the pressure varies between nodes: nodal values alone do not suffice for a law that is not proportional.
     within: "Within | None" = None
-    #: Local state of the k nodes, for laws of wear as well; None if no law needs it.
+    #: Local state of the k nodes, for laws of wear as well; None where nothing has slid (`ContactProblem.law`).
     local: LocalState | None = field(default=None, compare=False, repr=False)
 
     @cached_property

@@ -37,7 +37,9 @@ _IMAGE = np.array([1.0, 1.0, 1.0, -1.0, -1.0, 1.0])  #: and of a stress.
 
 @dataclass(frozen=True, eq=False)
 class SurfaceStress:
-    """A contact patch of a meshed body, whose stresses are to be corrected within a window about its middle."""
+    """Surface of a meshed body's patch, whose stresses by elements are corrected between nodes, within a window about
+    its middle; mm, MPa.
+    """
 
     mesh: HexMesh
     patch: ContactPatch

@@ -52,7 +52,9 @@ def hertz() -> reference.PointContact:
 
 
 def by_wirewear(contact_mesh_um: float, wires: str = "") -> Normal:
-    """Wirewear's solution on gripped wires with such keys; condensation not timed."""
+    """Pressed gripped wires solved by wirewear. wires: further TOML lines of [wires]; contact_mesh_um: size of
+    elements. Seconds are without condensation.
+    """
     of = study(contact_mesh_um, wires=wires)
     problem = contact_problem(of, discretised(of), lambda _stage: None)
     start = time.process_time()

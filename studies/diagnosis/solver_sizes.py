@@ -78,7 +78,7 @@ class Sizes:
         return replace(self, log_factors=values[:count], shifts=values[count:])
 
     def covariance(self, pair: Pair) -> Array:
-        """Covariance (n, n) of a pair."""
+        """Covariance (n, n) of the difference of a pair's n numbers under these sizes, in their own units."""
         factors = np.exp(self.log_factors)
         columns = pair.freedoms * factors[: len(self.freedoms)]
         total = pair.fixed + columns @ columns.T

@@ -47,7 +47,7 @@ class Chain:
     cycles: Array  #: Cycles done.
     energy_J: Array  #: Friction energy dissipated.
     worn_um3: Array  #: Volume that both bodies together have lost.
-    amplitude_um: Array  #: Displacement amplitude that the drive holds, NaN where it holds slip or energy.
+    amplitude_um: Array  #: Displacement amplitude that the drive holds, NaN where it holds another figure.
     load_N: Array  #: Normal load before any wear.
     misalignment_rad: Array  #: Angle by which the motion rises out of the contact plane.
     friction: Array  #: Coefficient of friction.
@@ -392,7 +392,7 @@ class Effect(ABC, Generic[T]):
         return cls(**{name: getattr(item.beside(stated), size) for name, item in every if not item.instead})
 
     def table(self) -> dict[str, object]:
-        """The `[[effects]]` table of a study that gives this effect: its name and the values of its fields."""
+        """The `[[effects]]` table that gives this effect: name, numbers, and chosen words that are not the default."""
         numbers = {name: known.plain(getattr(self, name)) for name, known in self.parameters().items()}
         words = {name: getattr(self, name) for name, known in self.choices().items() if getattr(self, name) != known[0]}
         return {"name": self.name, **numbers, **words}

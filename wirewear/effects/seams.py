@@ -76,7 +76,7 @@ class Specimens:
 
 @dataclass(frozen=True)
 class Control:
-    """Displacement amplitude in µm that the drive holds; None if it holds the slip or energy that the study states."""
+    """Displacement amplitude in µm that the drive holds; None if it holds another figure, which the study states."""
 
     displacement_amplitude_um: float | None
 

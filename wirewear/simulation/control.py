@@ -287,10 +287,11 @@ def held_of(study: AnyStudy) -> HeldFigure | None:
 
 
 def least_friction_N(study: AnyStudy, load_share: float | None = None) -> float:
-    """Largest amplitude (N) of a tangential force, in proportion to the drive, that friction carries in all of a test,
-    under its load or a constant share of that.
+    """Amplitude in N of the largest tangential force in proportion to the displacement under which nothing slides at
+    any age of the test.
 
-    0 if effects such as layers or misalignment let the bodies touch elsewhere.
+    load_share: load over the test's, constant; None: as the load cycle has it. 0 where layers or misalignment change
+    where the bodies touch.
     """
     law, loading = ContactLaw(study.contact.friction), Loading(study.conditions.normal_load_N)
     ages = np.linspace(0.0, float(study.conditions.cycles), _AGES if study.effects else 1)

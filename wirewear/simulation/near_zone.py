@@ -30,7 +30,8 @@ from wirewear.test.gaps import hertz_of
 
 NEAR_ZONE = "near zone"  #: What a study's `plasticity` is called.
 #: What these settings change stands in studies/yielding_wires/README.md.
-#: Points to the smaller semi-axis for pressing and for sliding, semi-axes around, points along a side.
+#: Points over the smaller semi-axis while pressing and while sliding; margin around in larger semi-axes; most points a
+#: side.
 _PRESSED, _SLID, _MARGIN, _MOST = 9.0, 4.0, 4.0, 129
 _LAYERS = np.asarray(0.1 * 1.1 ** np.arange(15), dtype=np.float64)  #: Over the smaller semi-axis.
 _LOADS = (np.arange(1, 17) / 16) ** 2  #: Steps of the load.

@@ -150,7 +150,7 @@ class BothMeshes(Protocol):
 
     @property
     def fixed(self) -> BodyGeometry:
-        """Shape and planned elements of the held body."""
+        """Geometry of the held body's mesh."""
 
 
 def contact_problem(study: Study, meshes: BothMeshes, announce: Announce) -> solvers.ContactProblem:

@@ -117,6 +117,7 @@ class FrictionTable(keys.Table):
     friction_law: keys.FrictionLawKey = Field(
         Coulomb(), description='"coulomb", or a table of another law\'s name and parameters; friction is its start'
     )
+    # Metal that flows in the near zone is followed under contacts at a point alone, see `Contact`.
     plasticity: Annotated[
         Literal["limited pressure", "near zone", "none"], PlainValidator(keys.one_of("limited pressure", "none"))
     ] = Field(

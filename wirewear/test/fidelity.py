@@ -26,8 +26,8 @@ class WireLevel:
     half-width of the scar (along_motion, across_motion), and from the middle to the rim of a contact that sticks
     (to_rim; to_rim_worn where its annulus wears). increments_per_cycle: of a loop; wear_increments: positions of a
     cycle at which surfaces wear, as a share of these. most_unknowns: displacements of a patch beyond which elements are
-    made larger. loop_spacing: of cycles 1, 2, 5, 10, …, those are measured, too, that differ
-    from each logged one by at least this factor. jump_tolerance: of what two stages of a jump differ by.
+    made larger. loop_spacing: least ratio to every logged cycle at which a cycle of 1, 2, 5, 10, … is measured, too.
+    jump_tolerance: of what two stages of a jump differ by.
     """
 
     per_contact_radius: float

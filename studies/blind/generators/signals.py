@@ -51,7 +51,9 @@ def after_play(periodic: Array, play: float) -> Array:
 
 
 def turned(displacement: Array, over: float) -> Array:
-    """Direction of motion, from −1 to 1 (n,): after a reversal it turns evenly while so much displacement passes."""
+    """Direction of motion (n,), from −1 to 1: after a reversal it changes evenly over a travel `over` (> 0), in the
+    unit of the displacement (n,).
+    """
     return np.asarray((displacement - after_play(displacement, over)) / (0.5 * over))
 
 

@@ -73,7 +73,7 @@ def read_answers(folder: Path, names: list[str]) -> dict[str, Answer | None]:
 
 
 def require_any(answers: Mapping[str, Answer | None], folder: Path, batch: Path) -> None:
-    """See that a folder holds at least one diagnosis of a batch. Raises BlindError if it is another folder."""
+    """Raise BlindError if none of these answers, by record, is a diagnosis. folder, batch: named in its message."""
     if not any(answers.values()):
         raise BlindError(f"{folder} holds no diagnosis of a record of {batch}, as {next(iter(answers))}/{FILE_NAME}.")
 

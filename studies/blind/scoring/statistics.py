@@ -21,12 +21,12 @@ class Share:
 
     @property
     def value(self) -> float | None:
-        """The share, or None of nothing."""
+        """hits / of; None if `of` is 0."""
         return self.hits / self.of if self.of else None
 
     @property
     def interval95(self) -> tuple[float, float] | None:
-        """Wilson's interval, or None of nothing."""
+        """Wilson's interval; None if `of` is 0."""
         if not self.of:
             return None
         from scipy.stats import binomtest

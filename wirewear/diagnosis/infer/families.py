@@ -245,8 +245,9 @@ def between_ends(power: int) -> Callable[[Array], Array]:
 
 
 def in_travel(power: int) -> Share:
-    """A function of branches that gives u^power less its mean over the stroke (n, 2, m), u = y/amplitude. As added
-    friction, an odd power acts against the motion at one end of each stroke and with it at the other.
+    """A function of branches that gives u^power less its mean over the stroke, (n, 2, m), with u = `Branches.place`
+    from −1 to 1. As added friction, an odd power acts against the motion at one end of each stroke and with it at the
+    other.
     """
     mean = 1.0 / (power + 1.0) if power % 2 == 0 else 0.0
     return lambda b: np.asarray(b.place**power - mean)

@@ -161,7 +161,9 @@ def remembered(height: Array, worn: Array, power: float) -> Array:
 
 @lru_cache(maxsize=16)
 def layered_wires(case: LayeredCase) -> LayeredWires:
-    """The table of a case, from the cache or computed in about a second."""
+    """How layers or flattening change the wear of wires in a case: kept in memory and on disk, else computed in about a
+    second.
+    """
     identity = identity_of(vars(case), ("wirewear/diagnosis/surrogate",), {})
 
     def made(folder: Path) -> tuple[LayeredWires, Path]:

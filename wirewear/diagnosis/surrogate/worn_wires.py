@@ -240,7 +240,9 @@ def slopes(part: WornWires, pressure: Array) -> Array:
 
 
 def scars(wires: WornWires) -> Array:
-    """`SCAR_FIGURES` (k, 2, 4) of the moving and of the fixed wire, in powers of δ and δ²/R."""
+    """Volume, depth, length and width (`SCAR_FIGURES`) of both scars in k states of wear: (k, 2, 4), the moving wire
+    first; lengths in δ, depths in δ²/R.
+    """
     return np.array(
         [
             [_figures(x, wires.y, depth) for x, depth in ((wires.moving_x, moving), (wires.x, fixed))]

@@ -136,7 +136,7 @@ def outside_of(name: str) -> tuple[str, ...]:
 
 
 def causes_among(effects: Sequence[TrueEffect]) -> tuple[Cause, ...]:
-    """The causes of no library among a case's effects."""
+    """Causes outside the diagnosis' library among a case's effects, made with their parameters."""
     return tuple(all_causes()[true.effect](**true.parameters) for true in effects if true.effect in all_causes())
 
 

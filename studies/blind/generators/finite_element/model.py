@@ -138,7 +138,9 @@ def _affordable(nuisances: Nuisances, numerics: Numerics, most: int) -> Nuisance
 
 
 def nominal_study(nominal: Nominal, nuisances: Nuisances, numerics: Numerics) -> Study:
-    """The test as its owner states it."""
+    """The study of a test as its owner states it, without any gap: `nuisances` give only the logged cycles, `numerics`
+    increments and refinement. Raises StudyError.
+    """
     cycles = nominal.cycles
     logged_at = {cycle for cycle in (*BETWEEN, cycles) if cycle <= cycles}.union(*nuisances.loop_cycles)
     fidelity = {

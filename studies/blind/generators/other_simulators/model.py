@@ -82,7 +82,9 @@ class OtherSimulators:
 
     @property
     def outside(self) -> Sequence[str]:
-        """Causes of no library; where nothing is worn, those that wear or worn specimens would show are none."""
+        """Causes outside the library that all simulators of the set can make: none of wear or worn specimens if one of
+        them wears nothing.
+        """
         causes = causes_of("others")
         return [one for one in causes if seam_of(one) not in WORN_SEAMS] if self._without(*OF_WEAR) else causes
 
@@ -202,8 +204,9 @@ def _circle(x: Array, radius: float) -> Array:
 
 
 def simulated(test: Test, world: World, snapshots: Sequence[int]) -> Course:
-    """A test from its first cycle to its last: jumps that grow with the cycles, loops at snapshots.
-    Raises RunError if the contact does not slide.
+    """A test of a world from its first cycle to its last, in jumps that grow with the cycles.
+
+    snapshots: cycles at which channels are kept. Raises RunError if the contact does not slide.
     """
     pair = contact_of(test, world.angle_error_deg)
     half_slip = 0.9 * world.amplitude_mm
