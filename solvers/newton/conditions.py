@@ -55,7 +55,8 @@ class Changes(NamedTuple):
     """Differences between a state of the iteration and the one before.
 
     opening, sticking: numbers of nodes that open or close, and of nodes that change between stick and slip while not on
-    the verge of either; changing: number of nodes that do either. gap: largest gap in mm of nodes that were in contact.
+    the verge of either; changing: number of nodes that do either. gap: largest gap in mm of nodes that were in contact,
+    or, where nodes touch late, slip of nodes that stuck.
     turned: largest change of the unit vector of friction at nodes that slip, about an angle in rad.
     """
 
@@ -142,6 +143,7 @@ class ContactConditions:
             friction.none,
             before,
             given,
+            self.system.late is not None,
         )
 
 
@@ -160,7 +162,7 @@ def forces_on(normal: Array, tangential: Array, frames: Array, place: IntArray, 
 
 
 @inlined
-def _changes(active: BoolArray, stuck: BoolArray, pointed: Array, state: Iterate) -> Changes:
+def _changes(active: BoolArray, stuck: BoolArray, pointed: Array, state: Iterate, late: bool) -> Changes:
     opening, sticking, changing, widest, turned = 0, 0, 0, 0.0, 0.0
     for k in range(len(active)):
         opens, sticks = active[k] != state.active[k], stuck[k] != state.stick[k] and not state.verge[k]
@@ -170,6 +172,8 @@ def _changes(active: BoolArray, stuck: BoolArray, pointed: Array, state: Iterate
             if not stuck[k] and state.normal[k] > 0.0:
                 x, y = state.direction[k, 0] - pointed[k, 0], state.direction[k, 1] - pointed[k, 1]
                 turned = max(turned, np.sqrt(x * x + y * y))
+        if late and stuck[k] and state.normal[k] > 0.0:
+            widest = max(widest, abs(state.slip[k, 0]), abs(state.slip[k, 1]))
     return Changes(opening, sticking, changing, widest, turned)
 
 
@@ -186,10 +190,11 @@ def _judged(
     frictionless: bool,
     before: tuple[BoolArray, BoolArray, Array],
     given: bool,
+    late: bool,
 ) -> tuple[Iterate, Changes]:
     """The state that follows from elastic displacements (k, 3) of the surfaces, and what has changed; see `judged`.
 
-    laws: closure, softness and shear of layers, and limit of friction, (k,) each.
+    laws: closure, softness and shear of layers, and limit of friction, (k,) each. late: True if nodes may touch late.
     """
     (closure, softness, shear, limit), (active, stuck, pointed) = laws, before
     normal, tangential, holder_x = solution.normal, solution.tangential, solution.holder_x
@@ -259,7 +264,7 @@ def _judged(
         augmentation,
         limit,
     )
-    return state, _changes(active, stuck, pointed, state)
+    return state, _changes(active, stuck, pointed, state, late)
 
 
 def _scales(system: Linearisation, loaded: BoolArray) -> Scales:

@@ -159,11 +159,7 @@ class _Change(NamedTuple):
         cls, nodes: Changes, conditions: ContactConditions, before: Iterate, after: Iterate, about: Array
     ) -> "_Change":
         stays = stop_in_play(conditions, before) == stop_in_play(conditions, after)
-        gap = nodes.gap
-        if conditions.system.late is not None:
-            sticks = before.stick & (after.normal > 0.0)
-            gap = max(gap, float(np.abs(after.slip[sticks]).max(initial=0.0)))
-        gap_error = gap / max(after.elastic, 1e-300)
+        gap_error = nodes.gap / max(after.elastic, 1e-300)
         return cls(nodes, gap_error, _bend(conditions, before, after, about), nodes.changing == 0 and stays)
 
     @property

@@ -10,7 +10,7 @@ import numpy as np
 
 from geometry.arrays import Array, BoolArray
 from solvers.contact_conditions import Linearisation
-from solvers.jit_cache import inlined
+from solvers.jit_cache import compiled, inlined
 
 _HARDLY = 1e-6  # Of the largest pressure: a node under less carries nothing.
 
@@ -163,9 +163,21 @@ def sheared(system: Linearisation, pressure: Array) -> tuple[Array, Array]:
     shear, change = (none, none) if system.layers is None else system.layers.shear_compliance(pressure)
     if system.late is None:
         return shear, change
-    carried = np.maximum(pressure, _HARDLY * float(pressure.max(initial=0.0)))
-    carried = np.where(carried > 0.0, carried, 1.0)
-    return shear + system.late / carried, change - system.late / carried**2
+    return _late_sheared(shear, change, system.late, pressure)
+
+
+@compiled
+def _late_sheared(shear: Array, change: Array, late: Array, pressure: Array) -> tuple[Array, Array]:
+    """Compliances (k,) and their derivatives with those of nodes that touch late, see `sheared`."""
+    hardly = 0.0
+    for one in pressure:
+        hardly = max(hardly, _HARDLY * one)
+    added, changed = np.empty(len(late)), np.empty(len(late))
+    for k in range(len(late)):
+        carried = max(pressure[k], hardly)
+        carried = carried if carried > 0.0 else 1.0
+        added[k], changed[k] = shear[k] + late[k] / carried, change[k] - late[k] / carried**2
+    return added, changed
 
 
 def holder_terms(system: Linearisation, series_mm_per_N: float, held_mm: float | None) -> HolderTerms:
