@@ -145,7 +145,7 @@ def simulated(states: WearStates, setups: Sequence[SurrogateInputs], cycles: Arr
         return [next(found[kind]) for kind in in_time]
     last = max(setups[0].cycles, float(cycles[-1]))
     # Wear is followed over this many cycles, evenly spaced in their logarithm.
-    nodes = np.unique(np.concatenate([np.geomspace(0.5, last, 20), cycles]))
+    nodes = np.unique(np.concatenate([np.geomspace(0.5, last, 20) if states.wears else [last], cycles]))
     chains, slip, swept, energy, share = _wear_path(states, setups, nodes)
     layer = _Layer.of_all(states, chains, swept)
     first = nodes.size * np.arange(len(setups))
@@ -196,7 +196,8 @@ def _wear_path(
     ]
     energy = 4e-3 * np.concatenate([chain.friction for chain in chains]) * load_N * slip
     swept, share = slip, np.full(slip.size, states.yields[0, 1] if states.sticks else 1.0)
-    for _ in range(_WEAR_SWEEPS):
+    # Where nothing wears, a cycle that is followed is as it is at once.
+    for _ in range(_WEAR_SWEEPS if states.wears or setup.load_cycle.steady else 1):
         each = zip(setups, chains, np.split(swept, count), strict=True)
         faster = np.concatenate([states.wearing(*own) for own in each])
         # What comes together over steps of cycles (n,), of which the first goes on as it ends; per cycle (..., n).
@@ -320,13 +321,19 @@ def _followed(setup: SurrogateInputs, chain: Chain, contact: sensing.SlidingCont
     if reads:
         stroke = stroke / chain.gain
     found = followed(contact, chain, path, slip, stroke, setup.frequency_Hz)
-    # Sweeps of a stroke against what a drive holds in place of it, where the load varies within the cycle.
+    # Sweeps of a stroke against what a drive holds in place of it, of those contacts that miss it.
     for _ in range(3 if reads or held.any() else 0):
         if reads:
-            stroke = stroke + (target - half_reading(chain, found.displacement_um, found.force_N)) / chain.gain
+            missing = (target - half_reading(chain, found.displacement_um, found.force_N)) / chain.gain
         else:
-            stroke = np.where(held, stroke + missing_of(setup, chain, contact, found, target), stroke)
-        found = followed(contact, chain, path, slip, stroke, setup.frequency_Hz)
+            missing = np.where(held, missing_of(setup, chain, contact, found, target), 0.0)
+        at = np.flatnonzero(np.abs(missing) > 1e-9 * stroke)
+        if not at.size:
+            break
+        stroke[at] += missing[at]
+        again = followed(contact.taken(at), chain.taken(at), path, slip[at], stroke[at], setup.frequency_Hz)
+        for name, column in vars(again).items():
+            getattr(found, name)[at] = column
     return found
 
 

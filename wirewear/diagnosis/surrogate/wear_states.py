@@ -78,6 +78,7 @@ class WearStates:
     Rows are in order of increasing volume. Between rows, states are interpolated over the logarithm of the similarity.
     """
 
+    wears: ClassVar[bool] = True  #: Whether contacts change as they wear.
     has_layers: ClassVar[bool] = True  #: Whether the effect of rough or loose layers between such bodies is computed.
     stiffening: ClassVar[float] = 1.0 / 3.0  #: Power of the load with which the contact's stiffness grows (Mindlin).
     #: Standard deviations of the fast model's numerical freedoms where contacts slide.
@@ -338,7 +339,7 @@ def _on_the_way(columns: Array, row: NDArray[np.intp], share: Array) -> Array:
 class JointStates(WearStates):
     """States of a joint, which does not wear: two equal rows, as interpolation needs two."""
 
-    has_layers = False
+    wears = has_layers = False
     stiffening: ClassVar[float] = 0.0  #: 0: a joint's stiffness is stated for any load.
     sliding_freedoms: ClassVar[Mapping[str, float]] = FREEDOMS
 
