@@ -194,3 +194,18 @@ def test_a_line_contact_far_beyond_first_yield_is_pressed_on_a_patch_that_holds_
     assert float(result.evolution["print_pad_um"][-1]) > 1.0
     # 0.2 a/R; the elastic rim widens what carries the limit.
     assert result.quality["indentation_strain"] == pytest.approx(0.2 * 0.5 * 1000.0 / limit / 5.0, rel=0.25)
+
+
+@pytest.mark.seconds
+def test_a_polymer_that_a_roller_strains_by_more_than_ten_per_cent_is_beyond_small_strains() -> None:
+    steel, polymer = {"youngs_modulus_MPa": 208_000.0}, {"youngs_modulus_MPa": 3600.0, "poissons_ratio": 0.4}
+    study = line_study(
+        pad={"radius_mm": 5.0} | steel, specimen={"yield_stress_MPa": 100.0} | polymer, wear=None, log=None, mesh=None,
+        conditions={"displacement_amplitude_um": 20.0, "cycles": 1, "normal_load_N_per_mm": 1500.0},
+        contact={"friction": 0.2},
+    )  # fmt: skip
+    result = simulate(study, fidelity="quick")
+    strain = result.quality["indentation_strain"]
+    assert strain > limit_of("indentation_strain") == 0.1
+    # 0.2 a/R of a contact that bears the limit all over.
+    assert strain == pytest.approx(0.2 * 750.0 / float(result.settings["fresh_pressure_limit_MPa"]) / 5.0, rel=0.05)
