@@ -9,7 +9,7 @@ S is at least −9.99, and 0 if the gap is not above the floor.
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterator
+from collections.abc import Callable, Iterator, Sequence
 from dataclasses import dataclass
 
 import numpy as np
@@ -236,7 +236,8 @@ def shrink_of(
     """The shrink by the best explanation, and by placebos: the fit `wrong` (None for none) and a free smooth fit. seed:
     of the bootstrap's draws. Explanations are fitted again without the held-out observables.
     """
-    left_out = _LeftOut.of(problem, covariance, observed)
+    tried = _tried(problem, covariance, observed)
+    left_out = tried[-1] if tried[-1].clear else tried[0]
     again = left_out.refit(best)
     scores, after = left_out.scores, left_out.squares_of(again.setup)
     shrink, predicted = left_out.share(after), left_out.share(left_out.squares_of(best.setup))
@@ -252,18 +253,30 @@ def shrink_of(
         best_wrong_effect=None if wrong is None else left_out.share(left_out.squares_of(left_out.refit(wrong).setup)),
         free_smooth_fit=left_out.share(scores.squares(free)),
         scar_held_out=left_out.split.scar,
-        borne_out=not best.names or left_out.shows_gap or _borne_out(problem, covariance, observed, best),
+        borne_out=not best.names or left_out.shows_gap or _borne_out(tried, best, again),
     )
 
 
-def _borne_out(problem: Problem, covariance: Covariance, observed: Observations, best: Fit) -> bool:
+def _tried(problem: Problem, covariance: Covariance, observed: Observations) -> list[_LeftOut]:
+    """The record with each part left out in turn, until one shows a gap clearly."""
+    tried: list[_LeftOut] = []
+    for split in splits(problem.layout):
+        tried.append(_LeftOut.of(problem, covariance, observed, split))
+        if tried[-1].clear:
+            break
+    if not tried:
+        raise ValueError("a layout without loops leaves nothing to score")
+    return tried
+
+
+def _borne_out(tried: Sequence[_LeftOut], best: Fit, first: Fit) -> bool:
     """Whether an explanation of a gap that no left-out part shows clearly is more than chance: fitted to the rest it
     removes `LEAST_SHRINK` of some part's squared residuals, or the rest speaks for it whichever part is left out.
+    first: the explanation fitted without the first part.
     """
     removed, gains = [], []
-    for split in splits(problem.layout):
-        left_out = _LeftOut.at(problem, covariance, observed, split)
-        again, none = left_out.refit(best), fit(left_out.known, ())
+    for left_out in tried:
+        again, none = first if left_out is tried[0] else left_out.refit(best), fit(left_out.known, ())
         after = left_out.scores.size(left_out.squares_of(again.setup))
         removed.append(1.0 - (after / left_out.before) ** 2 if left_out.before > 0.0 else 0.0)
         gains.append(again.log_evidence - none.log_evidence)
@@ -282,20 +295,7 @@ class _LeftOut:
     squares: dict[str, Array]
 
     @classmethod
-    def of(cls, problem: Problem, covariance: Covariance, observed: Observations) -> _LeftOut:
-        """The record with the first part left out that shows a gap, or the first of all."""
-        first = None
-        for split in splits(problem.layout):
-            one = cls.at(problem, covariance, observed, split)
-            if one.before > max(CLEAR_GAP * one.floor, CLEAR_SCAR if split.scar else 0.0):
-                return one
-            first = first or one
-        if first is None:
-            raise ValueError("a layout without loops leaves nothing to score")
-        return first
-
-    @classmethod
-    def at(cls, problem: Problem, covariance: Covariance, observed: Observations, split: Split) -> _LeftOut:
+    def of(cls, problem: Problem, covariance: Covariance, observed: Observations, split: Split) -> _LeftOut:
         """The record with one part left out."""
         base = problem.predicted(problem.setup)
         scores = HeldOutScores.of(observed, covariance, split.test)
@@ -314,6 +314,11 @@ class _LeftOut:
     @property
     def shows_gap(self) -> bool:
         return self.before > CLEAR_GAP * self.floor
+
+    @property
+    def clear(self) -> bool:
+        """True for a gap that is not a scar's scatter."""
+        return self.shows_gap and self.before > (CLEAR_SCAR if self.split.scar else 0.0)
 
     def refit(self, one: Fit) -> Fit:
         """The effects of a fit, fitted to the rest of the record alone."""
