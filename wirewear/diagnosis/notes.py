@@ -50,7 +50,7 @@ def of_zero(zero: ForceZero) -> tuple[str, ...]:
     """A sentence on the zero error of the force channel if it is larger than expected; else empty."""
     if not zero.stands_out:
         return ()
-    size = f"{zero.value_N:+.2g} N, {abs(zero.deviations):.0f} times what is expected".replace("-", "−")
+    size = f"{figure(zero.value_N, 2, sign=True)} N, {abs(zero.deviations):.0f} times what is expected"
     distinguished = "an unloaded stroke would distinguish it from what leans on the wires"
     return (f"the zero of the force lies at {size}: {distinguished}",)
 
