@@ -18,7 +18,6 @@ from scipy.special import chdtrc
 
 from geometry.arrays import Array, IntArray
 from wirewear.diagnosis.calibration import constants
-from wirewear.diagnosis.observe.along_branches import KneePeak, PlateauForce, Stick
 from wirewear.diagnosis.observe.local_lines import OUTLYING
 from wirewear.diagnosis.observe.measured_loops import LEAST_NOISE
 from wirewear.diagnosis.observe.observable import SLOPE_SHARE, ModelLoops, Scale
@@ -354,7 +353,7 @@ def with_model_error(
     scale = Scale(nominal.amplitude_um, nominal.plateau_force_N)
     change = np.abs(np.nan_to_num(after - before))
     extra = smooth_covariance(layout, share * change, scale)
-    along = [part for part in layout if anywhere and isinstance(part.observable, (Stick, KneePeak, PlateauForce))]
+    along = [part for part in layout if anywhere and part.observable.of_branches]
     for part in along:
         alike = (change[other.rows].max() for other in along if other.observable.unit == part.observable.unit)
         size = np.full(len(part.sites), anywhere * max(alike))

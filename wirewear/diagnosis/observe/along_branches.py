@@ -72,7 +72,7 @@ class Stick(observable.ByLocalLines):
     words, unit = "displacement at equal force", "um"
     zones = (observable.Zone("stick", "stick, after a reversal", "just after a reversal"),)
     sides = ("ahead of", "behind")
-    simulated = True
+    simulated = of_branches = True
 
     def sites(self, reading: Reading) -> list[observable.Site]:
         """Sites at forces below the knees of all repeats, where the contact sticks."""
@@ -264,7 +264,7 @@ class PlateauForce(observable.ByLocalLines):
         observable.Zone("plateau", "plateau", "on the plateaus"),
         observable.Zone("tip", "end of the stroke", "at the ends of the stroke"),
     )
-    simulated = True
+    simulated = of_branches = True
 
     def sites(self, reading: Reading) -> list[observable.Site]:
         """Displacements, evenly spread, past the knee of every repeat; the stroke's ends for loops in partial slip."""
@@ -315,6 +315,7 @@ class KneePeak(observable.OfLoops):
     name = "knee"
     words, unit = "force just past the knee over that beyond", "N"
     zones = (observable.Zone("knee", "knee, where sliding begins"),)
+    of_branches = True
 
     def sites(self, reading: Reading) -> list[observable.Site]:
         return [observable.Site(cycle, sign) for cycle in reading.cycles for sign in (1, -1)]

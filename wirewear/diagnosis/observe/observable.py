@@ -228,7 +228,8 @@ class Observable(ABC):
     name: short and unique, in answers. words, unit: for readers; numbers of the unit "relative" are logarithms, shown
     as ratios. zones: parts of a loop, or the channel, that it covers. sides: words for a measured value that is larger
     than the model's, and for one that is smaller. simulated: True if a full simulation with few increments shows it as
-    a rig does. of_scars: True if it is read from scars and not from loops.
+    a rig does. of_scars: True if it is read from scars and not from loops. of_branches: True if it is read along the
+    branches of loops, which laws of one cause shape differently.
     """
 
     name: ClassVar[str]
@@ -238,6 +239,7 @@ class Observable(ABC):
     sides: ClassVar[tuple[str, str]] = ("above", "below")
     simulated: ClassVar[bool] = False
     of_scars: ClassVar[bool] = False
+    of_branches: ClassVar[bool] = False
 
     @abstractmethod
     def sites(self, reading: Reading) -> list[Site]:
