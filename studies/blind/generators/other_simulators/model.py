@@ -26,7 +26,6 @@ from studies.blind.generators.other_simulators.tests_drawn import (
     SIMULATORS,
     JointTest,
     LineTest,
-    StickingTest,
     Test,
     WireTest,
     drawn_tests,
@@ -61,8 +60,8 @@ CANNOT = {
     "swinging": (*OF_BODIES, *OF_WEAR),
 }
 WORN_SEAMS = ("wear", "specimens")  #: Where causes enter that only wear shows.
-#: Loggings from which the noise of figures is taken; of what full slip takes, 3 % of a sticking ball's compliance.
-LOGGED, LOOSER = 24, 0.02
+#: Loggings from which the noise of figures is taken.
+LOGGED = 24
 
 
 @dataclass(frozen=True, eq=False)
@@ -162,7 +161,7 @@ def world_of(test: Test) -> World:
         stated_friction=test.friction,
         stated_load_N=test.load_N,
         held=test.held,
-        swing=test.swing if isinstance(test, JointTest) else None,
+        swing=test.swing,
         programme=tuple(
             (block.cycles, block.load_N / test.load_N, block.amplitude_um / test.amplitude_um) for block in test.blocks
         ),
@@ -316,8 +315,8 @@ def hidden(test: Test, course: Course, logger: Logger, true: World) -> dict[str,
         noisy.append(observed(test, replace(course, channels=cast("Any", read)), logger, true))
     alike = max(len(logger.loop_cycles[0]) / 3.0, 1.0)
     found = {name: float(np.std([one[name][0] for one in noisy]) / alike**0.5) for name in noisy[0]}
-    if isinstance(test, StickingTest):
-        softer = true.compliance_mm_per_N + LOOSER * test.gives_mm / (test.friction * test.load_N)
+    if test.unsure_mm:
+        softer = true.compliance_mm_per_N + test.unsure_mm / (test.friction * test.load_N)
         loose = _plain(test, replace(true, compliance_mm_per_N=softer), logger.evolution_cycles)
         pairs = zip(
             observed(test, loose, logger, true).items(), observed(test, course, logger, true).items(), strict=True
@@ -350,7 +349,7 @@ def tables_of(case: Case, test: Test, logger: Logger) -> PointRecordTables | Lin
             more["programme"] = [block.table for block in test.blocks]
         plain = record_tables(replace(case, nuisances=logger)).model_dump(mode="json", exclude_unset=True)
         plain["conditions"] |= dict([test.held] if test.held else [])
-        if isinstance(test, JointTest) and test.swing:
+        if test.swing:
             share, ratio = test.swing
             plain["conditions"]["load_cycle"] = {"amplitude_share": share, "frequency_ratio": ratio, "lag_deg": 0.0}
         return cast("PointRecordTables", RECORDS[test.kind].model_validate({**plain, **more}))

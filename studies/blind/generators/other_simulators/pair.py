@@ -11,6 +11,8 @@ from typing import Protocol
 import numpy as np
 from numpy.typing import NDArray
 
+from wirewear.base.errors import RunError
+
 Array = NDArray[np.float64]
 
 #: Positions of a stroke at which a loop's forces are computed, closer to its ends, and fewest and most of a sweep.
@@ -117,6 +119,10 @@ class Pair:
     def spread(self) -> Array | float:
         """How wear by a pressure is spread in place; evenly unless a simulator says otherwise."""
         return 1.0
+
+    def under(self, way_mm: Array, friction: float, load_N: Array) -> Array:  # noqa: ARG002
+        """Friction over its limit of the moment along a stroke, under loads (n,) that vary; few pairs know it."""
+        raise RunError("this simulator follows no load that varies in the cycle.")
 
     @property
     def scars_mm(self) -> tuple[Array, Array]:

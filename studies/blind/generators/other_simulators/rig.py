@@ -8,7 +8,6 @@ from typing import Protocol
 import numpy as np
 from scipy.optimize import brentq
 
-from studies.blind.generators.other_simulators.joints import Sliders
 from studies.blind.generators.other_simulators.pair import Array, Touch
 from studies.blind.generators.other_simulators.world import World
 from wirewear.base.errors import RunError
@@ -28,6 +27,10 @@ class Sliding(Protocol):
 
     def stroke(self, way_mm: Array, half_mm: float, friction: float, load_N: float) -> Array:
         """Friction over its limit along a stroke that begins at a reversal."""
+        ...
+
+    def under(self, way_mm: Array, friction: float, load_N: Array) -> Array:
+        """Friction over its limit of the moment along such a stroke, under loads (n,) that vary."""
         ...
 
 
@@ -110,7 +113,7 @@ def _stroke(
     # Where the load follows the drive, the drive follows from what the rig gives under that load.
     for _ in range(SWEEPS if world.swing else 1):
         shares = _load_shares(world, drive)
-        if isinstance(sliding, Sliders) and world.swing:
+        if world.swing:
             mobilised = direction * sliding.under(way, friction, load_N * shares)
         else:
             mobilised = direction * sliding.stroke(way, half, friction, load_N)

@@ -73,20 +73,23 @@ class WireTest(Nominal):
     """Crossed wires, and who simulates them.
 
     blocks: of cycles, which take turns; none if load and stroke remain. held: key and value of what the drive holds in
-    place of its stroke. slides, wears: whether the contact must slide,
-    and whether it wears. hides: by which part of the range of sizes effects are drawn larger. shares: of the load, at
-    which partial slip is traced.
+    place of its stroke. swing: share of the load by which it swings in each cycle, and how often. slides, wears:
+    whether the contact must slide, and whether it wears. hides: by which part of the range of sizes effects are drawn
+    larger. looser: share of what bodies give way by that nobody knows. shares: of the load, at which partial slip
+    is traced.
     """
 
     slides: ClassVar[bool] = True
     wears: ClassVar[bool] = True
     hides: ClassVar[float] = 0.0
+    looser: ClassVar[float] = 0.0
     shares: ClassVar[Array] = SHARES
 
     simulator: str = "foundation"
     crossing_angle_deg: float = 90.0
     blocks: tuple[Block, ...] = ()
     held: tuple[str, float] | None = None
+    swing: tuple[float, int] | None = None
 
     @property
     def ends(self) -> tuple[int, ...]:
@@ -122,6 +125,11 @@ class WireTest(Nominal):
         return self.friction * self.easier * 2.0 * self.hertz_mm**2 / self.diameter_mm
 
     @property
+    def unsure_mm(self) -> float:
+        """What nobody knows of that: 3 % of a sticking ball's compliance."""
+        return self.looser * self.gives_mm
+
+    @property
     def sensible(self) -> bool:
         """Whether it slides over most of its stroke and wears a scar that can be measured."""
         scar, amplitude, taken = self.expected_scar_mm, 1e-3 * self.amplitude_um, self.gives_mm
@@ -143,8 +151,10 @@ class LineTest(LineNominal):
     slides: ClassVar[bool] = True
     wears: ClassVar[bool] = True
     hides: ClassVar[float] = 0.0
+    unsure_mm: ClassVar[float] = 0.0
     blocks: ClassVar[tuple[Block, ...]] = ()
     held: ClassVar[None] = None
+    swing: ClassVar[None] = None
     ends: ClassVar[tuple[int, ...]] = ()
 
     simulator: str = "layers"
@@ -174,6 +184,7 @@ class StickingTest(WireTest):
     slides: ClassVar[bool] = False
     wears: ClassVar[bool] = False
     hides: ClassVar[float] = 0.5
+    looser: ClassVar[float] = 0.02
     #: Cores whose sizes are close where little slips.
     shares: ClassVar[Array] = (1.0 - np.linspace(0.95, 0.0, 36) ** 2) ** 3
 
@@ -193,11 +204,7 @@ class StickingTest(WireTest):
 
 @dataclass(frozen=True)
 class JointTest(WireTest):
-    """A joint whose friction and stiffness are known, without bodies and wear.
-
-    spread: by which part its sliders' limits lie around their mean, which no owner states. swing: share of the load by
-    which it swings in each cycle, and how often.
-    """
+    """A joint of known friction and stiffness; spread: by which part its sliders' limits lie around their mean."""
 
     kind: ClassVar[str] = "joint"
     wears: ClassVar[bool] = False
@@ -205,7 +212,6 @@ class JointTest(WireTest):
     simulator: str = "joint"
     own_N_per_mm: float = 1000.0
     spread: float = 0.1
-    swing: tuple[float, int] | None = None
 
     @property
     def tables(self) -> dict[str, Any]:
