@@ -25,7 +25,7 @@ from wirewear.diagnosis.observe.along_branches import PlateauForce
 from wirewear.diagnosis.observe.reduction import reduce
 from wirewear.diagnosis.record_diagnosis import Diagnosed
 from wirewear.diagnosis.surrogate.forward import simulate
-from wirewear.diagnosis.surrogate.loop_states import scar_skew
+from wirewear.diagnosis.surrogate.loop_states import scar_skew, skew_and_noise
 from wirewear.diagnosis.surrogate.nominal import nominal_study, wearing
 from wirewear.diagnosis.surrogate.nominal_model import nominal_inputs
 from wirewear.diagnosis.surrogate.wear_states import WearStates
@@ -207,6 +207,16 @@ def test_the_skew_of_a_swept_scar_is_the_tangent_of_the_angle(error_deg: float, 
     error = np.radians(error_deg)
     skew = scar_skew(LINE_um, LINE_um, swept_scar(error, reach_um))
     assert skew == pytest.approx(-np.tan(error), abs=2e-3 + 0.03 * abs(error))
+
+
+@pytest.mark.parametrize("noise", [0.02, 0.05])
+def test_the_skew_of_a_noisy_shallow_scar_scatters_about_as_stated(noise: float) -> None:
+    draws, scar = np.random.default_rng(1), swept_scar(0.05, 60.0)
+    scar *= 1.0 / scar.max()
+    maps = (scar + draws.normal(0.0, noise, scar.shape) for _ in range(100))
+    found = np.array([skew_and_noise(LINE_um, LINE_um, own, noise) for own in maps])
+    # Points that noise takes past the scar's edge are not part of it.
+    assert 0.7 < found[:, 0].std() / found[:, 1].mean() < 2.0
 
 
 def run_at(angle_deg: float) -> RunResult:

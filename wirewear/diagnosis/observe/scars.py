@@ -15,7 +15,7 @@ from wirewear.diagnosis.observe import observable
 from wirewear.diagnosis.observe.measured_loops import LEAST_NOISE
 from wirewear.diagnosis.observe.observed_record import Reading
 from wirewear.diagnosis.surrogate.forward import PredictedLoops
-from wirewear.diagnosis.surrogate.loop_states import scar_skew
+from wirewear.diagnosis.surrogate.loop_states import skew_and_noise
 from wirewear.records import MeasuredProfile, MeasuredScar
 from wirewear.records.spikes import noise_um
 from wirewear.results.scar import SCAR_FIGURES, crossings
@@ -128,8 +128,9 @@ class ScarSkew(_OfScars):
     def measure(self, reading: Reading, repeat: int, sites: observable.Sites) -> tuple[Array, Array]:
         values, noise = np.full((2, len(sites)), np.nan)
         for scar in maps_of(reading, repeat):
-            values[sites.body == scar.body] = scar_skew(scar.x_um, scar.y_um, scar.worn_um)
-            noise[sites.body == scar.body] = _shallow(scar.figures) * SHALLOW_SKEW
+            own = sites.body == scar.body
+            values[own], by_noise = skew_and_noise(scar.x_um, scar.y_um, scar.worn_um, noise_um(scar.depth_um))
+            noise[own] = np.hypot(_shallow(scar.figures) * SHALLOW_SKEW, by_noise)
         return values, noise
 
     def predict(self, predicted: PredictedLoops, sites: observable.Sites) -> Array:

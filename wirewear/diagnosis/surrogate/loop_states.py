@@ -11,6 +11,7 @@ from functools import cache, cached_property
 from typing import TypedDict
 
 import numpy as np
+from scipy.special import erfc
 
 from geometry.arrays import Array, BoolArray, ComplexArray
 from wirewear.base.errors import ResultError
@@ -67,14 +68,27 @@ def scar_skew(x_um: Array, y_um: Array, depth_um: Array) -> float:
     along the motion, whatever its position s: every scar that is swept by it is sheared by x → x − ε y, and the skew is
     −tan ε on both wires (geometry).
     """
-    depth = np.where(depth_um > _SKEW_EDGE * float(np.max(depth_um)), depth_um, 0.0)
+    return skew_and_noise(x_um, y_um, depth_um, 0.0)[0]
+
+
+def skew_and_noise(x_um: Array, y_um: Array, depth_um: Array, noise_um: float) -> tuple[float, float]:
+    """(`scar_skew`, its standard deviation by noise of each depth); NaN of a map without a scar."""
+    edge = _SKEW_EDGE * float(np.max(depth_um))
+    depth = np.where(depth_um > edge, depth_um, 0.0)
     volume = float(depth.sum())
     if not volume > 0.0:
-        return float("nan")
+        return float("nan"), float("nan")
     x = x_um - float(depth.sum(axis=1) @ x_um) / volume
     y = y_um - float(depth.sum(axis=0) @ y_um) / volume
     across = float(depth.sum(axis=0) @ y**2)
-    return float(x @ depth @ y) / across if across > 0.0 else float("nan")
+    if not across > 0.0:
+        return float("nan"), float("nan")
+    skew = float(x @ depth @ y) / across
+    # Beside the scar noise counts where it exceeds the edge.
+    over = edge / max(noise_um, 1e-9)
+    beside = over * np.exp(-0.5 * over**2) / np.sqrt(2.0 * np.pi) + 0.5 * erfc(over / np.sqrt(2.0))
+    shares = np.where(depth > 0.0, 1.0, beside) * ((x[:, None] - skew * y) * y / across) ** 2
+    return skew, noise_um * float(np.sqrt(shares.sum()))
 
 
 def state_of(result: RunResult, loop: Loop, friction: float, fresh_stiffness: float) -> tuple[object, ...] | None:
