@@ -99,6 +99,7 @@ def test_a_file_of_another_kind_is_named_with_the_command_that_takes_it(line: st
     assert sentence in ended.stderr.splitlines()[-1]
 
 
+@pytest.mark.slow
 def test_a_comparison_takes_run_and_record_in_either_order() -> None:
     write_record(Path("loops"), replace(read_record(Path("record")), scars=()))
     ended = invoked("compare loops run --output exchanged")

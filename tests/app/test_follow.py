@@ -96,7 +96,7 @@ def test_a_play_that_opens_is_warned_of_and_a_killed_command_ends_as_in_one_piec
     home: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
     text = logged(25.0)
-    killed = followed(home, Logger(home / "run.csv", text, 12, killed_after=8), monkeypatch)
+    killed = followed(home, Logger(home / "run.csv", text, 6, killed_after=4), monkeypatch)
     assert killed.exit_code != 0
     before, written = of(home, "follow.json")[0], (home / "run.csv").stat().st_size
     again = followed(home, Logger(home / "run.csv", text[written:], 2), monkeypatch)

@@ -98,7 +98,7 @@ def test_a_gain_moves_a_figure_as_its_sensitivity_says(report: LaboratoryReport,
 def test_the_noise_of_depths_moves_volumes_by_what_the_budget_says(report: LaboratoryReport, record_path: Path) -> None:
     record, random = read_record(record_path), np.random.default_rng(4)
     (scar,) = (one for one in record.scars_of("moving") if one.repeat == 1)
-    noisy = [scar.of_field(scar.depth_um + 0.05 * random.standard_normal(scar.depth_um.shape)) for _ in range(60)]
+    noisy = [scar.of_field(scar.depth_um + 0.05 * random.standard_normal(scar.depth_um.shape)) for _ in range(24)]
     spread = float(np.std([one.volume_mm3 for one in noisy], ddof=1))
     alone = replace(record, scars=(scar,), loops=tuple(one for one in record.loops if one.repeat == 1))
     (volume,) = (one for one in laboratory_report(alone, record_path).budgets if one.name == "worn volume, moving wire")

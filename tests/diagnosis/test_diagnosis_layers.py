@@ -135,6 +135,7 @@ def test_sliding_prints_one_body_deeper_than_the_other_and_both_deeper_than_pres
     assert unit * printed.depth == pytest.approx(np.array([[0.60, 1.38], [0.39, 0.73]]), rel=0.26)
 
 
+@pytest.mark.first_case
 @pytest.mark.parametrize("slip_um", [52.0, 150.0])
 def test_prints_are_followed_as_deep_as_the_softest_metal_keeps_them_and_no_deeper(slip_um: float) -> None:
     own = replace(states(), slip_um=np.full(13, slip_um), stroke_um=slip_um)

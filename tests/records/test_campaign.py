@@ -99,6 +99,7 @@ def bowl(depth_um: float) -> tuple[str, float]:
     return "\n".join(["x,y,depth", *rows]) + "\n", 1e-9 * 0.5 * np.pi * 100.0 * 60.0 * depth_um
 
 
+@pytest.mark.slow
 def test_scars_of_all_tests_stand_side_by_side_with_their_volumes(folder: Path, tmp_path: Path) -> None:
     columns = '{ x_um = "x", y_um = "y", depth_um = "depth" }'
     scars = "".join(

@@ -236,6 +236,7 @@ def test_check_names_a_fault_and_nothing_is_concluded_without_a_word(sound: Expe
             problems_of(record)
 
 
+@pytest.mark.first_case
 @pytest.mark.parametrize("exchange", [((1, 50), (2, 50)), ((3, 40), (3, 50))], ids=["repeats", "cycles"])
 def test_without_an_evolution_the_other_repeats_reveal_loops_that_are_exchanged(
     sound: ExperimentRecord, exchange: tuple[tuple[int, int], tuple[int, int]]

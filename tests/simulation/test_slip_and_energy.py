@@ -188,7 +188,7 @@ def test_a_force_is_held_that_only_the_load_at_one_end_of_the_stroke_bears(share
     np.testing.assert_allclose(evolution["max_tangential_force_N"], share * FRICTION * LOAD_N, rtol=1e-3)
 
 
-@pytest.mark.seconds
+@pytest.mark.slow
 def test_a_force_that_no_load_of_the_cycle_bears_is_refused_in_a_sentence() -> None:
     conditions = {"displacement_amplitude_um": 40.0, "held_tangential_force_N": 1.7 * FRICTION * LOAD_N}
     with pytest.raises(SolverError, match=r"cannot hold held_tangential_force_N = 4\.25.* 4\.07\d* N"):

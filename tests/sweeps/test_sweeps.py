@@ -215,7 +215,7 @@ def test_a_line_contact_is_swept_as_any_other_contact_is() -> None:
     assert figures["max_tangential_force_N"] == pytest.approx(0.3 * study.conditions.normal_load_N, rel=1e-3)
 
 
-@pytest.mark.seconds
+@pytest.mark.slow
 def test_a_row_has_the_life_of_the_first_body_to_crack() -> None:
     strength = {"tensile_strength_MPa": 800.0, "averaging_length_um": 40.0}
     pulled = {"bulk": {"axial_stress_MPa": 300.0, "axial_stress_amplitude_MPa": 300.0}}

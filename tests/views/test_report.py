@@ -244,6 +244,7 @@ def test_with_noise_a_simulation_differs_from_itself_as_students_t_has_it(run: R
         assert binom.ppf(0.005, count, probability) <= within <= binom.ppf(0.995, count, probability)
 
 
+@pytest.mark.slow
 def test_repeats_that_agree_by_chance_scatter_no_less_than_their_loops_are_unsure(run: RunResult) -> None:
     record = record_of_result(run, sensor=NOISY, repeats=4, seed=5, samples=256)
     twins = [dataclasses.replace(loop, repeat=repeat) for loop in record.loops if loop.repeat == 1 for repeat in (1, 2)]
