@@ -10,7 +10,7 @@ import numpy as np
 
 from geometry.arrays import Array, BoolArray
 from wirewear.loops.noise import sample_noise
-from wirewear.loops.robust import LinearFit, best_fit, fit_linear
+from wirewear.loops.robust import LinearFit, best_fit, fit_linear, mean_misfits
 
 HIGHEST_HARMONIC = 6
 
@@ -188,17 +188,13 @@ def _period(time: Array, values: Array) -> float:
     middle = even_period(time)
     factors = np.linspace(0.88, 1.12, 11)
 
-    def misfit(factor: float) -> float:
-        design = series(time, middle * factor, 2)
-        solution = np.linalg.lstsq(design, values, rcond=None)[0]
-        return float(np.mean(np.abs(values - design @ solution)))
+    def misfits() -> Array:
+        return mean_misfits([series(time, middle * float(factor), 2) for factor in factors], values)
 
     for count in (7, 7):
-        misfits = [misfit(float(factor)) for factor in factors]
-        best = int(np.clip(np.argmin(misfits), 1, len(factors) - 2))
+        best = int(np.clip(np.argmin(misfits()), 1, len(factors) - 2))
         factors = np.linspace(factors[best - 1], factors[best + 1], count)
-    misfits = [misfit(float(factor)) for factor in factors]
-    return middle * float(factors[int(np.argmin(misfits))])
+    return middle * float(factors[int(np.argmin(misfits()))])
 
 
 def _ramps(time: Array, values: Array) -> LinearFit:
@@ -210,18 +206,12 @@ def _ramps(time: Array, values: Array) -> LinearFit:
         columns = [np.ones_like(time), time - time[0], np.maximum(time - first, 0.0), np.maximum(time - second, 0.0)]
         return np.column_stack(columns)
 
-    def misfit(first: float, second: float) -> float:
-        columns = design(first, second)
-        return float(np.mean(np.abs(values - columns @ np.linalg.lstsq(columns, values, rcond=None)[0])))
-
     reach = 0.04 * span
     while reach > 1e-4 * span:
         for which in (0, 1):
-            trials = []
-            for shift in np.linspace(-reach, reach, 7):
-                moved = list(corners)
+            trials = [list(corners) for _ in range(7)]
+            for moved, shift in zip(trials, np.linspace(-reach, reach, 7), strict=True):
                 moved[which] += float(shift)
-                trials.append((misfit(*moved), moved))
-            corners = min(trials)[1]
+            corners = trials[int(np.argmin(mean_misfits([design(*moved) for moved in trials], values)))]
         reach *= 0.4
     return fit_linear(design(*corners), values)

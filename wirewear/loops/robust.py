@@ -8,6 +8,7 @@ import numpy as np
 
 from geometry.arrays import Array
 
+_RIDGE = 1e-13  # Keeps columns that coincide on few samples solvable.
 CHOICE = 1.2  # widens standard deviations: weights and degree were chosen with the same data that are fitted
 
 
@@ -50,7 +51,7 @@ def fit_linear(design: Array, values: Array, iterations: int = 4) -> LinearFit:
     norm = np.where(norm > 0.0, norm, 1.0)
     scaled = design / norm
     floor = 1e-12 * float(np.max(np.abs(values), initial=0.0))
-    ridge = 1e-13 * np.eye(parameters)  # keeps columns that coincide on few samples solvable
+    ridge = _RIDGE * np.eye(parameters)
     for _ in range(iterations):
         weighted = scaled.T * weights
         # the few columns are scaled and nearly orthogonal: normal equations are accurate and fastest
@@ -64,6 +65,17 @@ def fit_linear(design: Array, values: Array, iterations: int = 4) -> LinearFit:
     spread = float(np.sqrt(np.sum(weights * residuals**2) / max(np.sum(weights) - parameters, 1.0)))
     covariance = (CHOICE * spread) ** 2 * inverse / np.outer(norm, norm)
     return LinearFit(coefficients / norm, covariance, residuals, spread)
+
+
+def mean_misfits(designs: Sequence[Array], values: Array) -> Array:
+    """Mean size (k,) of what least squares by each of k designs (n, p) leave of values (n,)."""
+    stacked = np.stack(designs)
+    norm = np.linalg.norm(stacked, axis=1, keepdims=True)
+    scaled = stacked / np.where(norm > 0.0, norm, 1.0)
+    across = scaled.transpose(0, 2, 1)
+    # Ridge as of `fit_linear`.
+    solved = np.linalg.solve(across @ scaled + _RIDGE * np.eye(stacked.shape[2]), across @ values[:, None])
+    return np.asarray(np.abs(values - (scaled @ solved)[:, :, 0]).mean(axis=1))
 
 
 def best_fit(designs: Sequence[Array], values: Array) -> int:
