@@ -11,7 +11,7 @@ import sys
 import webbrowser
 from collections.abc import Iterator
 from concurrent.futures import ThreadPoolExecutor
-from contextlib import ExitStack, contextmanager, suppress
+from contextlib import ExitStack, contextmanager
 from pathlib import Path
 from time import monotonic, sleep
 from typing import Any
@@ -26,7 +26,7 @@ from wirewear.app.web.server import LOOPBACK, WorkspaceServer
 from wirewear.app.web.workspace import AS_STEP, Workspace
 
 
-def sent(server: WorkspaceServer, request: bytes, *, wait_s: float = 10.0) -> bytes:
+def sent(server: WorkspaceServer, request: bytes, *, wait_s: float = 60.0) -> bytes:
     """What the server answers to bytes after which the client sends no more."""
     with socket.create_connection((LOOPBACK, server.server_address[1]), timeout=wait_s) as client:
         client.sendall(request)
@@ -172,7 +172,7 @@ def test_a_name_that_is_too_long_to_be_put_aside_is_refused(server: WorkspaceSer
 
 def test_nothing_is_read_of_who_does_not_know_the_address(server: WorkspaceServer) -> None:
     """The answer comes while the body that was announced does not."""
-    with socket.create_connection((LOOPBACK, server.server_address[1]), timeout=5.0) as client:
+    with socket.create_connection((LOOPBACK, server.server_address[1]), timeout=60.0) as client:
         host = f"{LOOPBACK}:{server.server_address[1]}"
         client.sendall(
             f"PUT /guessed/files/a.csv HTTP/1.1\r\nHost: {host}\r\nContent-Length: 499000000\r\n\r\n".encode()
@@ -182,19 +182,21 @@ def test_nothing_is_read_of_who_does_not_know_the_address(server: WorkspaceServe
 
 def test_who_sends_slowly_is_cut_off(server: WorkspaceServer, monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.setattr(server_module, "_HEAD_s", 0.3)
-    began = monotonic()
-    with socket.create_connection((LOOPBACK, server.server_address[1]), timeout=5.0) as client, suppress(OSError):
-        while monotonic() - began < 3.0:
+
+    def drip(client: socket.socket) -> None:
+        for _ in range(600):
             client.sendall(b"X")
             sleep(0.05)
-    assert monotonic() - began < 2.0
+
+    with socket.create_connection((LOOPBACK, server.server_address[1])) as client, pytest.raises(ConnectionError):
+        drip(client)
     assert asked(f"{server.url}state")[0] == 200
 
 
 def test_who_knows_the_address_is_answered_however_many_wait_without_a_word(server: WorkspaceServer) -> None:
     with ExitStack() as all_open:
         place = LOOPBACK, server.server_address[1]
-        idle = [all_open.enter_context(socket.create_connection(place, timeout=5.0)) for _ in range(210)]
+        idle = [all_open.enter_context(socket.create_connection(place, timeout=60.0)) for _ in range(210)]
         assert asked(f"{server.url}state")[0] == 200
         assert idle[0].recv(1) == b""
 
