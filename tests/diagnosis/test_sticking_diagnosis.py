@@ -75,6 +75,19 @@ def test_a_loop_that_sticks_has_the_force_and_energy_of_mindlin(
     assert 0.5 * abs(float(x @ np.roll(q, -1) - q @ np.roll(x, -1))) == pytest.approx(energy_uJ, rel=0.02)
 
 
+@pytest.mark.parametrize(("share", "amplitude_um"), [case[:2] for case in CASES])
+def test_a_lean_raises_the_force_of_what_sticks_as_a_larger_load_does(share: float, amplitude_um: float) -> None:
+    def mindlin_N(load: float) -> float:
+        softer = STIFFNESS_N_per_um * load ** (1.0 / 3.0) / (1.5 * load * FRICTION_N)
+        return load * FRICTION_N * float(1.0 - (1.0 - softer * amplitude_um) ** 1.5)
+
+    lean = simulate(ball(), with_effect(circumstances(amplitude_um), "misalignment", {"angle_deg": 1.0}), CYCLES)
+    force = lean.tangential_force_N[0]
+    # The force along the motion, by the slope, presses the bodies together, which moves it on.
+    follows = share * FRICTION_N / LOAD_N * (mindlin_N(1.0005) - mindlin_N(0.9995)) / 0.001
+    assert 0.5 * (force.max() + force.min()) == pytest.approx(np.tan(np.radians(1.0)) * (LOAD_N + follows), rel=2e-3)
+
+
 def test_friction_and_load_change_a_sticking_loop_by_the_law_of_jaeger() -> None:
     """Force over friction is a function of the travel's share of that of full slip, which a load raises by P^(2/3)."""
     _, amplitude_um, energy_uJ = CASES[1]

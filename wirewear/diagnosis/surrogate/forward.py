@@ -159,7 +159,7 @@ def simulated(states: WearStates, setups: Sequence[SurrogateInputs], cycles: Arr
     else:
         own = _followed(setup, chain, contact, slip[at])
         true = own.displacement_um, own.force_N, own.load_N
-    loops = sensing.read_by_sensors(setup, chain, *true, contact.share)
+    loops = sensing.read_by_sensors(setup, chain, *true, sensing.with_load(contact, states.stiffening))
     under = np.zeros(len(setups)) if layer is None else layer.worn_under_um[ends]
     reach = states.reach(np.maximum(swept[ends], [LEAST_SLIP * one.amplitude_um for one in setups]))
     stated_um = np.array([one.print_um for one in setups])

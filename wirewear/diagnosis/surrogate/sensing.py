@@ -181,13 +181,23 @@ def loads_of(contact: SlidingContact) -> Array:
     return np.repeat(np.concatenate([stuck, load[..., 1:]], axis=2), 2, axis=1)
 
 
+def with_load(contact: SlidingContact, stiffening: float) -> Array:
+    """Relative rise (n,) of a contact's tangential force at its tip over that of the normal force, as it is moved as
+    far: 1 if it slides, `stiffening` (by which power of the load its stiffness grows) if it sticks.
+    """
+    share = np.clip(contact.share, 1e-9, 1.0)
+    left = (1.0 - share) ** (1.0 / contact.order)
+    # Of n L/K (1 − (1 − Q/L)^(1/n)) with L as the load and K as its power.
+    along = contact.order * (1.0 - left) * (1.0 - share) / np.maximum(left, 1e-9) / share
+    return np.asarray(1.0 - (1.0 - stiffening) * along)
+
+
 def read_by_sensors(
-    setup: SurrogateInputs, chain: Chain, x: Array, q: Array, p: Array, share: Array
+    setup: SurrogateInputs, chain: Chain, x: Array, q: Array, p: Array, follows: Array
 ) -> tuple[Array, Array, Array]:
     """Displacement x, tangential force q and normal force p (n, 2, m) as sensors read n loops of two branches, from the
-    true ones; share (n,) is that of the friction which the force comes to.
+    true ones; follows (n,): see `with_load`.
     """
-    slides = share[:, None, None] >= 1.0
     tilt, gain, linear, quadratic, crosstalk, zero, normal_spring, moved_um = (
         np.expand_dims(column, (1, 2))
         for column in (
@@ -207,8 +217,8 @@ def read_by_sensors(
         relative, p = x - holder * q, np.maximum(p, PLAY_FORCE_N)
         share = 1.0 + normal_spring * np.tan(tilt) * relative / p
         p, q = share * p, share * q
-        # Q = P tan(φ ± β): climbing on one stroke, descending on the other. What sticks carries the load's part alone.
-        q = q + np.tan(tilt) * (p + slides * q**2 / p)
+        # Q = P tan(φ ± β): climbing on one stroke, descending on the other, as far as friction follows the load.
+        q = q + np.tan(tilt) * (p + follows[:, None, None] * q**2 / p)
         x = relative + holder * q
     read = gain * x + linear * q + quadratic * q**2
     # A time, the same at all moments of a test, is a phase of the drive.
