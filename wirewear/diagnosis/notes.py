@@ -42,7 +42,7 @@ def of_imitations(found: Sequence[Imitation]) -> str:
     """Sentence on causes of no library that would look the same, and on what would tell, to follow the answer; "" for
     none.
     """
-    causes = ", or from ".join(f"{one.causes} ({one.measurement} would tell)" for one in found)
+    causes = ", or from ".join(dict.fromkeys(f"{one.causes} ({one.measurement} would tell)" for one in found))
     return f" The record cannot tell this from {causes}." if found else ""
 
 
