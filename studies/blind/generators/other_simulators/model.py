@@ -62,6 +62,7 @@ CANNOT = {
 WORN_SEAMS = ("wear", "specimens")  #: Where causes enter that only wear shows.
 #: Loggings from which the noise of figures is taken.
 LOGGED = 24
+PRESSED_um = 0.05  #: How well the middle of a stroke is known from where bodies were pressed together.
 
 
 @dataclass(frozen=True, eq=False)
@@ -275,6 +276,8 @@ def observed(test: Test, course: Course, logger: Logger, true: World) -> dict[st
     given_um = force * (1e3 * limit * true.compliance_mm_per_N + 0.03 * test.amplitude_um)
     place_um = float(np.hypot(given_um, 3e-3 * test.amplitude_um))
     zero_N = float(np.hypot(0.2 * logger.force_noise_N, 2e-3 * limit))
+    # What sticks keeps the force with which it was pressed together beside the middle of its stroke.
+    beside_um = 0.0 if test.slides else PRESSED_um
     found: dict[str, tuple[float, float]] = {}
     cycles = list(course.channels)
     for name, cycle in zip(("first", "middle", "last"), (cycles[0], cycles[len(cycles) // 2], cycles[-1]), strict=True):
@@ -287,7 +290,10 @@ def observed(test: Test, course: Course, logger: Logger, true: World) -> dict[st
             # No extreme is known better than a sample.
             f"largest force {name}": (largest, float(np.hypot(force * limit, logger.force_noise_N))),
             f"energy {name}": (energy, energy * float(np.hypot(force, place_um / test.amplitude_um))),
-            f"mean force {name}": (float(read.mean()), zero_N),
+            f"mean force {name}": (
+                float(read.mean()),
+                float(np.hypot(zero_N, beside_um * np.ptp(read) / np.ptp(place))),
+            ),
             f"plateau {name}": (float(np.abs(pull)[np.abs(off) < 0.1].mean()), force * limit),
             f"ends {name}": (float(np.abs(pull)[np.abs(off) > 0.4].mean()), force * limit),
             f"upper end {name}": (float(pull[off > 0.4].mean()), force * limit),

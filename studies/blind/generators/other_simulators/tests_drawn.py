@@ -72,11 +72,10 @@ class Block:
 class WireTest(Nominal):
     """Crossed wires, and who simulates them.
 
-    blocks: of cycles, which take turns; none if load and stroke remain. held: key and value of what the drive holds in
-    place of its stroke. swing: share of the load by which it swings in each cycle, and how often. slides, wears:
+    blocks: of cycles, which take turns; none if load and stroke remain. held: key and value of what the drive holds
+    in place of its stroke. swing: share of the load by which it swings in a cycle, and how often. slides, wears:
     whether the contact must slide, and whether it wears. hides: by which part of the range of sizes effects are drawn
-    larger. looser: share of what bodies give way by that nobody knows. shares: of the load, at which partial slip
-    is traced.
+    larger. looser: share of what bodies give way by that nobody knows. shares: of the load, where it is traced.
     """
 
     slides: ClassVar[bool] = True
@@ -146,7 +145,7 @@ class WireTest(Nominal):
 
 @dataclass(frozen=True)
 class LineTest(LineNominal):
-    """A cylinder on a flat, both shallow beside their widths, so that they are elastic layers."""
+    """A cylinder on a flat, both shallow, so that they are elastic layers."""
 
     slides: ClassVar[bool] = True
     wears: ClassVar[bool] = True
@@ -194,6 +193,11 @@ class StickingTest(WireTest):
     def tables(self) -> dict[str, Any]:
         """A ball held above a driven flat."""
         return {"bodies": {"ball": {"diameter_mm": self.diameter_mm, **self.elastic}, "flat": self.elastic}}
+
+    def way_um(self, reached: float) -> float:
+        """Amplitude of the stroke that comes to a share of friction's limit."""
+        own_mm = self.gives_mm * float(1.0 - (1.0 - reached) ** (2.0 / 3.0))
+        return 1e3 * (own_mm + reached * self.friction * self.load_N / (self.stiffness_N_per_mm or np.inf))
 
     @property
     def sensible(self) -> bool:
@@ -290,9 +294,9 @@ def _drawn_holding_energy(random: np.random.Generator) -> WireTest:
 
 
 def _drawn_holding_force(random: np.random.Generator) -> StickingTest:
-    test = _drawn_sticking(random)
-    force = test.friction * test.load_N * random.uniform(*REACHED)
-    return replace(test, amplitude_um=1.6 * test.amplitude_um, held=("held_tangential_force_N", float(f"{force:.3g}")))
+    test, reached = _drawn_sticking(random), random.uniform(*REACHED)
+    held = "held_tangential_force_N", float(f"{reached * test.friction * test.load_N:.3g}")
+    return replace(test, amplitude_um=float(f"{1.6 * test.way_um(reached):.3g}"), held=held)
 
 
 def _drawn_sticking(random: np.random.Generator) -> StickingTest:
@@ -310,15 +314,11 @@ def _drawn_sticking(random: np.random.Generator) -> StickingTest:
         stiffness_N_per_mm=None,
         spring_N_per_mm=0.0,
     )
-    # Springs of a fifth to five times the contact's stiffness.
-    given_mm = test.gives_mm * (1.0 - (1.0 - reached) ** (2.0 / 3.0))
-    stiffness = None
     if random.random() > 0.25:
-        stiffness = float(
-            f"{friction * test.load_N / test.gives_mm * np.exp(random.uniform(-1.0, 1.0) * np.log(5.0)):.3g}"
-        )
-        given_mm += reached * friction * test.load_N / stiffness
-    return replace(test, amplitude_um=float(f"{1e3 * given_mm:.3g}"), stiffness_N_per_mm=stiffness)
+        # A fifth to five times the contact's stiffness.
+        own = friction * test.load_N / test.gives_mm * np.exp(random.uniform(-1.0, 1.0) * np.log(5.0))
+        test = replace(test, stiffness_N_per_mm=float(f"{own:.3g}"))
+    return replace(test, amplitude_um=float(f"{test.way_um(reached):.3g}"))
 
 
 def _drawn_joint(random: np.random.Generator) -> JointTest:
