@@ -3,6 +3,7 @@
 from collections.abc import Callable
 from dataclasses import replace
 from random import Random
+from unittest.mock import Mock
 
 import numpy as np
 import pytest
@@ -22,11 +23,13 @@ from wirewear.diagnosis.infer.covariance import (
     solver_covariance,
     tolerated,
 )
-from wirewear.diagnosis.infer.inference import Problem, problem_around
+from wirewear.diagnosis.infer.inference import Problem, fit, problem_around
 from wirewear.diagnosis.observe import Site, channels
 from wirewear.diagnosis.observe.along_branches import BEYOND, PEAK, PlateauForce, Stick, peak_N
 from wirewear.diagnosis.observe.measured_loops import _force_noise, _usual, reduced_loop
 from wirewear.diagnosis.observe.reduction import Layout, Observations, all_observables, reduce
+from wirewear.diagnosis.surrogate.candidates import Candidate
+from wirewear.effects import all_effects
 from wirewear.effects.holder import Plasticity
 from wirewear.loops.noise import (
     correlated_noise,
@@ -296,3 +299,15 @@ def test_a_record_whose_repeats_agree_worse_than_they_are_read_is_known_less_wel
         for one in (observed, replace(observed, values=shaken))
     )
     assert np.median(doubted / assumed) > 1.5
+
+
+def test_a_number_is_known_no_better_than_the_change_that_its_effect_makes() -> None:
+    changes = Mock(free={}, setup=nominal(), whitening=1e4 * np.eye(3), mean=np.ones(3))
+    changes.states.model_error = lambda _: 0.1
+    changes.predictions = lambda setups: np.array(
+        [3 * [sum(own.factor - 1.0 for own in one.effects)] for one in setups]
+    )
+    found = fit(changes, [Candidate.of(all_effects()["wear_rate_offset"], {})])
+    ((candidate, (place,), (deviation,)),) = found.parts()
+    ends = [candidate.values(np.array([place + side * deviation]))["factor"] for side in (-0.5, 0.5)]
+    assert ends[1] - ends[0] == pytest.approx(0.1, rel=0.01)

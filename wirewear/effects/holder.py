@@ -94,7 +94,8 @@ class RotationalCompliance(Effect[Holder]):
         neutral=None,
         easy=30.0,
         hard=30.0,
-        interest=(10.0, 100.0),
+        # From a flexure next to the contact to a long arm.
+        interest=(2.0, 500.0),
         logarithmic=True,
         # K_θ/H² is all that acts on wires.
         held_by=("stiffness_N_mm_per_rad", 2.0),

@@ -115,8 +115,9 @@ def problem_around(
 class Fit:
     """Best fit of one explanation, a set of effects.
 
-    coordinates, spread: (p,) and (p, p), the effects' best coordinates and their covariance. setup: with these effects
-    and the freedoms in it. distance2: χ² that is left. log_evidence: of the record by this explanation.
+    coordinates, spread: (p,) and (p, p), the effects' best coordinates and their covariance, by noise and by what the
+    model of each effect is off as a whole. setup: with these effects and the freedoms in it. distance2: χ² that is
+    left. log_evidence: of the record by this explanation.
     """
 
     candidates: tuple[Candidate, ...]
@@ -268,8 +269,31 @@ def sought(
     distance2 = float(rest @ rest)
     evidence = -0.5 * distance2 - 0.5 * float(z @ z) - 0.5 * float(np.linalg.slogdet(hessian)[1])
     found = middle + root @ z
-    spread = np.asarray(root @ np.linalg.inv(hessian) @ root.T, dtype=np.float64)[:count, :count]
-    return Fit(candidates, found[:count], spread, at(z), distance2, evidence, found[count:])
+    spread = np.linalg.inv(hessian)
+    off = yield from _off(problem, candidates, found, rest)
+    moved = spread @ jacobian.T @ off
+    spread = root @ (spread + moved @ moved.T) @ root.T
+    return Fit(candidates, found[:count], spread[:count, :count], at(z), distance2, evidence, found[count:])
+
+
+def _off(problem: Problem, candidates: Sequence[Candidate], places: Array, rest: Array) -> Asking[Array]:
+    """Whitened errors (m, k) of the change that each of k effects makes as a whole: the model error's share of it.
+
+    places, rest: coordinates of effects and freedoms, and whitened residuals there.
+    """
+    inexact, setups, at = [], [], 0
+    for candidate in candidates:
+        end = at + len(candidate.unknowns)
+        error = problem.states.model_error(candidate.kind)
+        if error > 0.0:
+            others = [one for one in candidates if one is not candidate]
+            setups.append(placed(problem, others, np.delete(places, slice(at, end))))
+            inexact.append(error)
+        at = end
+    without = (yield setups) if setups else []
+    return np.column_stack(
+        [np.zeros((rest.size, 0)), *(e * (one - rest) for e, one in zip(inexact, without, strict=True))]
+    )
 
 
 def _starts(candidates: Sequence[Candidate]) -> list[Array]:
