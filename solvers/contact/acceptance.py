@@ -64,8 +64,9 @@ def slid(
         slip += problem.stretched(state.bulk_step, start.nodes, offset)
     closed: float | Array = 0.0
     if system.layers is not None:
-        layers, old_layers = (layers_between(problem, state, start, loads) for loads in (after, before))
-        slip += layers.old_displacement - old_layers.old_displacement
+        layers = layers_between(problem, state, start, after)
+        if problem.layers:
+            slip += layers.old_displacement - layers_between(problem, state, start, before).old_displacement
         closed = _closed(layers, after, start) - _closed(layers, before, start)
     lever = levers(problem, state.drive, state.holder_x)[start.nodes]
     pressure, lifted, length = _parts(moved_start, slip, before, start.frames, lever, holder)

@@ -210,9 +210,10 @@ def open_depths(problem: ContactProblem, state: ContactState) -> tuple[Array, Ar
     """Depths (n_a, n_t) in mm by which the surfaces of (primary, secondary) have receded: worn depths, less what debris
     fills, plus prints.
     """
+    bodies, depths = (problem.primary, problem.secondary), state.wear.opened(problem.retained)
     primary, secondary = (
-        depth if pressed is None else depth + pressed
-        for depth, pressed in zip(state.wear.opened(problem.retained), state.wear.prints, strict=True)
+        depth if pressed is None else body.receded(depth, pressed)
+        for body, depth, pressed in zip(bodies, depths, state.wear.prints, strict=True)
     )
     return primary, secondary
 

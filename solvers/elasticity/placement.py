@@ -130,6 +130,20 @@ class PlacedBody:
             latest[:] = [WornNodes(depth_mm, height, gradient(depth_mm, self.patch))]
         return latest[0]
 
+    def receded(self, depth_mm: Array, print_mm: Array) -> Array:
+        """Depth (n_a, n_t) in mm of the surface with a print beside what has worn, both of that shape.
+
+        The latest result is kept and returned for the same array objects, which callers must not change.
+        """
+        latest = self._latest_receded
+        if not latest or latest[0] is not depth_mm or latest[1] is not print_mm:
+            latest[:] = [depth_mm, print_mm, depth_mm + print_mm]
+        return latest[2]
+
+    @cached_property
+    def _latest_receded(self) -> list[Array]:
+        return []
+
     @cached_property
     def _latest_worn(self) -> list[WornNodes]:
         return []

@@ -143,10 +143,14 @@ def layers_at_nodes(
 
 def _sheared(layers: Sequence[ContactLayer], pressure: Array, worn: Array) -> tuple[Array, Array]:
     none = np.zeros_like(pressure)
+    if not layers:
+        return none, none
     return _sum([(none, none), *(layer.shear_compliance(pressure, worn) for layer in layers)])
 
 
 def _sum(parts: list[tuple[Array, Array]]) -> tuple[Array, Array]:
+    if len(parts) == 1:
+        return parts[0]
     values, derivatives = zip(*parts, strict=True)
     # Of the few parts, arrays of them cost more than their sum.
     return np.asarray(sum(values)), np.asarray(sum(derivatives))

@@ -40,7 +40,7 @@ class YieldAtNodes:
     def closure(self, pressure: Array) -> tuple[Array, Array]:
         """Permanent closure (k,) in mm by pressures (k,) in MPa, 0 up to the limit, and its derivative by pressure."""
         beyond = pressure - self.limit
-        softness = np.where(beyond > 0.0, 1.0 / self.rise_MPa_per_mm, 0.0)
+        softness = (beyond > 0.0) / self.rise_MPa_per_mm
         return beyond * softness, softness
 
     def work(self, pressure: Array) -> Array:
@@ -81,7 +81,7 @@ class PressureLimit:
         together have already.
         """
         limit = self.limit_MPa(np.maximum(load, self.printed_load))
-        rise = np.broadcast_to(_RISE * limit / self.overlap_mm, printed_mm.shape)
+        rise = _RISE * limit / self.overlap_mm + 0.0 * printed_mm
         return YieldAtNodes(limit + rise * printed_mm, rise)
 
     def borne_MPa(self, largest_MPa: float, load: float, printed_mm: float) -> "PressureLimit":
