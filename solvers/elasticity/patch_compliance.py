@@ -61,14 +61,15 @@ def missing_displacement(own: Bricks, own_mm: Pair, other: Bricks, other_mm: Pai
     first body's axes: the mean over all positions of one lattice relative to the other.
     """
     counts = tuple(2 * each + 1 for each in reach(own_mm))
-    numbers = (2.0 * np.pi * np.fft.fftfreq(n) for n in counts)
-    along, across = (each.ravel() for each in np.meshgrid(*numbers, indexing="ij"))
+    # Opposite waves have conjugate answers: half of them are enough.
+    halves = 2.0 * np.pi * np.fft.fftfreq(counts[0]), 2.0 * np.pi * np.fft.rfftfreq(counts[1])
+    along, across = (each.ravel() for each in np.meshgrid(*halves, indexing="ij"))
     lacking = _of_cells(along, across, own_mm, own.material) - _of_bricks(along, across, own_mm, own)
     to_other = np.zeros((3, 3))
     to_other[:2, :2], to_other[2, 2] = turn, -1.0
     lacking += to_other.T @ _lacking_in_other(along, across, own_mm, other, other_mm, to_other) @ to_other
     lacking[0] = 0.0
-    found = np.fft.ifft2(lacking.reshape(*counts, 3, 3), axes=(0, 1)).real
+    found = np.fft.irfft2(lacking.reshape(counts[0], -1, 3, 3), counts, axes=(0, 1))
     return np.asarray(np.fft.fftshift(found, axes=(0, 1)))
 
 
