@@ -136,7 +136,7 @@ def discretise(study: Study, fidelity: str, *, sticks: bool | None = None, core:
         contact_mm=None if chosen.contact_mesh_um is None else chosen.contact_mesh_um * finer_mm,
         outer_mm=None if chosen.outer_mesh_um is None else chosen.outer_mesh_um * finer_mm,
         sticks=expected.sticks and follows(study, fidelity) and expected.face is None,
-        stuck_margin=_STUCK_MARGIN if study.wear is None else _worn_margin(core),
+        stuck_margin=_STUCK_MARGIN if study.wear is None else _worn_margin(core, fresh),
         core=core,
     )
     moving, fixed, coarsening = affordable_meshes(study, sizes, level)
@@ -158,12 +158,14 @@ def discretise(study: Study, fidelity: str, *, sticks: bool | None = None, core:
     )
 
 
-def _worn_margin(core: float | None) -> float:
+def _worn_margin(core: float | None, fresh: Ellipse) -> float:
     """Extent of the patch over that of a fresh contact whose share `core` sticks in the end; None: not known yet."""
     if core is None:
         return _WORN_MARGIN
+    # Patches that are not their own mirror image cost four times as much, and have no finer lines at the rim to go on.
+    least = _STUCK_MARGIN if _lies_across(fresh, 0.0) else _WORN_MARGIN
     # Of a ball of radius 1 whose contact has radius 1.
-    return max(_WORN_MARGIN, _EDGE_MARGIN * worn_under_load(1.0, 1.0, 4.0 / 3.0, 1.0 - core**3).edge_radius_mm)
+    return max(least, _EDGE_MARGIN * worn_under_load(1.0, 1.0, 4.0 / 3.0, 1.0 - core**3).edge_radius_mm)
 
 
 def follows(study: Study, fidelity: str) -> bool:
@@ -310,12 +312,16 @@ def _graded(
 def _graded_to_rim(contact: Ellipse, axis_rad: float, margin: float, level: WireLevel, more: float) -> RimGradedAxis:
     """Mesh lines for a contact that sticks in its middle, fine at its rim if the ellipse lies along the axes."""
     rim, chord = contact.reach(axis_rad), contact.chord(axis_rad)
-    # Chord over reach of an ellipse along a patch's axis, below which lines cannot be fine at its rim.
-    if chord < 0.95 * rim:
+    if _lies_across(contact, axis_rad):
         # Of the rim: where the last of them lies. One that only touches it makes what slips a tenth too small at Q/µP
         # of 0.15, in the mean of ellipses at 12 to 30° by cells on a half-space.
         return RimGradedAxis(0.99 * rim, round(more * level.to_rim * rim / chord), margin * rim, _EVENLY)
     return RimGradedAxis(rim, round(level.to_rim), margin * rim, level.rim_share)
+
+
+def _lies_across(contact: Ellipse, axis_rad: float) -> bool:
+    """True if lines across a patch's axis cannot be fine at the contact's rim, along which it lies askew."""
+    return contact.chord(axis_rad) < 0.95 * contact.reach(axis_rad)
 
 
 def _geometry(body: Body, axes: PatchAxes, sizes: ElementSizes, level: WireLevel, motion_rad: float) -> BodyGeometry:
