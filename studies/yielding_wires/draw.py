@@ -14,8 +14,9 @@ from wirewear.results import RunResult, read_result
 
 
 def results_in(runs: Path) -> list[RunResult]:
-    """Results of all variants of a folder, the elastic one first."""
-    return sorted((read_result(path) for path in runs.glob("*/result.h5")), key=lambda run: run.variant != "elastic")
+    """Results of all variants of a folder, the elastic one first, then by yield stress."""
+    results = (read_result(path) for path in runs.glob("*/result.h5"))
+    return sorted(results, key=lambda run: (run.variant != "elastic", run.variant))
 
 
 def damage_of(run: RunResult) -> tuple[list[float], list[float]]:
