@@ -14,7 +14,15 @@ from numpy.typing import NDArray
 from geometry.arrays import Array
 from wirewear.diagnosis.calibration import constants
 from wirewear.diagnosis.observe import observable
-from wirewear.diagnosis.observe.local_lines import CHORD_ERROR, OUTLYING, LocalLine, ObservedBranch, force_at, knees_of
+from wirewear.diagnosis.observe.local_lines import (
+    CHORD_ERROR,
+    OUTLYING,
+    LocalLine,
+    ObservedBranch,
+    force_at,
+    knees_alike,
+    knees_of,
+)
 from wirewear.diagnosis.observe.measured_loops import FORCE_WINDOW, POSITION_WINDOW, ReducedLoop
 from wirewear.diagnosis.observe.observed_record import Reading
 from wirewear.diagnosis.surrogate.forward import PredictedLoops
@@ -322,9 +330,15 @@ class KneePeak(observable.OfLoops):
 
     def read(self, loop: ReducedLoop, site: observable.Site) -> tuple[float, float]:
         branch = loop.branches[int(site.branch < 0)]
-        x = branch.displacement_um[branch.knee :]
-        peak, weight = peak_N(x - x[0], branch.force_N[branch.knee :], loop.amplitude_um, loop.correlation)
-        return branch.sign * peak, loop.sample_noise_N * weight
+
+        def read_from(knee: int) -> tuple[float, float]:
+            x = branch.displacement_um[knee:]
+            return peak_N(x - x[0], branch.force_N[knee:], loop.amplitude_um, loop.correlation)
+
+        peak, weight = read_from(branch.knee)
+        alike = knees_alike(branch, loop.mid_force_N, loop.amplitude_um, loop.sample_noise_N)
+        apart_N = np.nan_to_num(np.ptp([read_from(knee)[0] for knee in alike]))
+        return branch.sign * peak, float(np.hypot(loop.sample_noise_N * weight, 0.5 * apart_N))
 
     def predict(self, predicted: PredictedLoops, sites: observable.Sites) -> Array:
         peaks = computed_peaks_N(predicted.displacement_um, predicted.tangential_force_N)

@@ -101,11 +101,29 @@ def knees_of(
     """Indices (...) of the knees of branches (..., m), see `knee_index`; forces at mid-stroke and amplitudes are (...,
     1).
     """
-    low = force_N[..., : max(3, force_N.shape[-1] // 6)].min(axis=-1, keepdims=True)
-    low = np.minimum(low, reversal_N)
-    rise = (force_N - low) / np.maximum(top_N - low, 1e-12) - travel_um / (KNEE_TRAVEL * amplitude_um)
-    knees: NDArray[np.intp] = np.argmax(np.where(travel_um < KNEE_EARLY * amplitude_um, rise, -np.inf), axis=-1)
+    leads_N = _leads_N(travel_um, force_N, top_N, amplitude_um, reversal_N)
+    knees: NDArray[np.intp] = np.argmax(leads_N, axis=-1)
     return np.maximum(knees, 1)
+
+
+def knees_alike(branch: ObservedBranch, top_N: float, amplitude_um: float, noise_N: float) -> tuple[int, int]:
+    """First and last index of the samples of a branch that noise may make its knee: of a round one there are several.
+
+    top_N: force at mid-stroke. noise_N: standard deviation of a sample's force.
+    """
+    travel_um = branch.displacement_um - branch.displacement_um[0]
+    leads_N = _leads_N(travel_um, branch.force_N, np.array([top_N]), amplitude_um, branch.reversal_N)
+    alike = np.flatnonzero(leads_N >= leads_N[branch.knee] - np.sqrt(2.0) * noise_N)
+    return int(alike[0]), int(alike[-1])
+
+
+def _leads_N(travel_um: Array, force_N: Array, top_N: Array, amplitude_um: float | Array, reversal_N: float) -> Array:
+    """By how much forces (..., m) have risen since the reversal beyond those of a slow, even rise to the force at
+    mid-stroke; a knee has most. -inf late in the stroke.
+    """
+    low = np.minimum(force_N[..., : max(3, force_N.shape[-1] // 6)].min(axis=-1, keepdims=True), reversal_N)
+    even = np.maximum(top_N - low, 1e-12) * travel_um / (KNEE_TRAVEL * amplitude_um)
+    return np.where(travel_um < KNEE_EARLY * amplitude_um, force_N - low - even, -np.inf)
 
 
 @dataclass(frozen=True, eq=False)
