@@ -122,7 +122,7 @@ def _leads_N(travel_um: Array, force_N: Array, top_N: Array, amplitude_um: float
     mid-stroke; a knee has most. -inf late in the stroke.
     """
     low = np.minimum(force_N[..., : max(3, force_N.shape[-1] // 6)].min(axis=-1, keepdims=True), reversal_N)
-    even = np.maximum(top_N - low, 1e-12) * travel_um / (KNEE_TRAVEL * amplitude_um)
+    even = np.maximum(top_N - low, 1e-12) * travel_um / np.maximum(KNEE_TRAVEL * amplitude_um, 1e-12)
     return np.where(travel_um < KNEE_EARLY * amplitude_um, force_N - low - even, -np.inf)
 
 
