@@ -143,8 +143,6 @@ def layers_at_nodes(
 
 def _sheared(layers: Sequence[ContactLayer], pressure: Array, worn: Array) -> tuple[Array, Array]:
     none = np.zeros_like(pressure)
-    if not layers:
-        return none, none
     return _sum([(none, none), *(layer.shear_compliance(pressure, worn) for layer in layers)])
 
 

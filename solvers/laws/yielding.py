@@ -81,7 +81,7 @@ class PressureLimit:
         together have already.
         """
         limit = self.limit_MPa(np.maximum(load, self.printed_load))
-        rise = _RISE * limit / self.overlap_mm + 0.0 * printed_mm
+        rise = np.full_like(printed_mm, _RISE * limit / self.overlap_mm)
         return YieldAtNodes(limit + rise * printed_mm, rise)
 
     def borne_MPa(self, largest_MPa: float, load: float, printed_mm: float) -> "PressureLimit":

@@ -184,7 +184,7 @@ def test_who_sends_slowly_is_cut_off(server: WorkspaceServer, monkeypatch: pytes
     monkeypatch.setattr(server_module, "_HEAD_s", 0.3)
 
     def drip(client: socket.socket) -> None:
-        for _ in range(600):
+        for _ in range(100):
             client.sendall(b"X")
             sleep(0.05)
 

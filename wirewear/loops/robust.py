@@ -47,9 +47,7 @@ def fit_linear(design: Array, values: Array, iterations: int = 4) -> LinearFit:
     """
     count, parameters = design.shape
     weights = np.ones(count)
-    norm = np.linalg.norm(design, axis=0)
-    norm = np.where(norm > 0.0, norm, 1.0)
-    scaled = design / norm
+    scaled, norm = _scaled(design)
     floor = 1e-12 * float(np.max(np.abs(values), initial=0.0))
     ridge = _RIDGE * np.eye(parameters)
     for _ in range(iterations):
@@ -69,13 +67,17 @@ def fit_linear(design: Array, values: Array, iterations: int = 4) -> LinearFit:
 
 def mean_misfits(designs: Sequence[Array], values: Array) -> Array:
     """Mean size (k,) of what least squares by each of k designs (n, p) leave of values (n,)."""
-    stacked = np.stack(designs)
-    norm = np.linalg.norm(stacked, axis=1, keepdims=True)
-    scaled = stacked / np.where(norm > 0.0, norm, 1.0)
+    scaled, norm = _scaled(np.stack(designs))
     across = scaled.transpose(0, 2, 1)
-    # Ridge as of `fit_linear`.
-    solved = np.linalg.solve(across @ scaled + _RIDGE * np.eye(stacked.shape[2]), across @ values[:, None])
+    solved = np.linalg.solve(across @ scaled + _RIDGE * np.eye(norm.shape[1]), across @ values[:, None])
     return np.asarray(np.abs(values - (scaled @ solved)[:, :, 0]).mean(axis=1))
+
+
+def _scaled(design: Array) -> tuple[Array, Array]:
+    """Columns (..., n, p) at a length of 1, and their lengths (..., p), 1 of columns of zeros."""
+    norm = np.linalg.norm(design, axis=-2)
+    norm = np.where(norm > 0.0, norm, 1.0)
+    return design / norm[..., None, :], norm
 
 
 def best_fit(designs: Sequence[Array], values: Array) -> int:

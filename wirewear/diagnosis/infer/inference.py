@@ -9,7 +9,7 @@ ch. 28). A setup holds inputs of the fast model; a candidate is an effect that m
 
 from __future__ import annotations
 
-from collections.abc import Callable, Generator, Mapping, Sequence
+from collections.abc import Callable, Generator, Iterator, Mapping, Sequence
 from dataclasses import dataclass, field, replace
 from typing import TypeVar
 
@@ -147,13 +147,8 @@ class Fit:
 
     def parts(self) -> list[tuple[Candidate, Array, Array]]:
         """For each effect the candidate, its coordinates and their standard deviations."""
-        parts, at = [], 0
         deviations = np.sqrt(np.diag(self.spread)) if self.spread.size else np.zeros(0)
-        for candidate in self.candidates:
-            n = len(candidate.unknowns)
-            parts.append((candidate, self.coordinates[at : at + n], deviations[at : at + n]))
-            at += n
-        return parts
+        return [(one, self.coordinates[own], deviations[own]) for one, own in _with_places(self.candidates)]
 
 
 def jacobian_of(problem: Problem, one: Fit) -> Array:
@@ -175,12 +170,17 @@ def placed(problem: Problem, candidates: Sequence[Candidate], places: Array) -> 
 
 def applied(candidates: Sequence[Candidate], setup: SurrogateInputs, coordinates: Array) -> SurrogateInputs:
     """A copy of `setup` with the candidates' effects at their coordinates (p,), added one after the other."""
-    at = 0
-    for candidate in candidates:
-        n = len(candidate.unknowns)
-        setup = candidate.applied(setup, coordinates[at : at + n])
-        at += n
+    for candidate, own in _with_places(candidates):
+        setup = candidate.applied(setup, coordinates[own])
     return setup
+
+
+def _with_places(candidates: Sequence[Candidate]) -> Iterator[tuple[Candidate, slice]]:
+    """Each effect with the places of its coordinates among those of all."""
+    end = 0
+    for candidate in candidates:
+        begin, end = end, end + len(candidate.unknowns)
+        yield candidate, slice(begin, end)
 
 
 #: A search as a generator: it asks for whitened residuals under setups, is sent them, and returns its result.
@@ -281,15 +281,13 @@ def _off(problem: Problem, candidates: Sequence[Candidate], places: Array, rest:
 
     places, rest: coordinates of effects and freedoms, and whitened residuals there.
     """
-    inexact, setups, at = [], [], 0
-    for candidate in candidates:
-        end = at + len(candidate.unknowns)
+    inexact, setups = [], []
+    for candidate, own in _with_places(candidates):
         error = problem.states.model_error(candidate.kind)
         if error > 0.0:
             others = [one for one in candidates if one is not candidate]
-            setups.append(placed(problem, others, np.delete(places, slice(at, end))))
+            setups.append(placed(problem, others, np.delete(places, own)))
             inexact.append(error)
-        at = end
     without = (yield setups) if setups else []
     return np.column_stack(
         [np.zeros((rest.size, 0)), *(e * (one - rest) for e, one in zip(inexact, without, strict=True))]

@@ -335,9 +335,10 @@ class KneePeak(observable.OfLoops):
             x = branch.displacement_um[knee:]
             return peak_N(x - x[0], branch.force_N[knee:], loop.amplitude_um, loop.correlation)
 
-        peak, weight = read_from(branch.knee)
         alike = knees_alike(branch, loop.mid_force_N, loop.amplitude_um, loop.sample_noise_N)
-        apart_N = np.nan_to_num(np.ptp([read_from(knee)[0] for knee in alike]))
+        found = {knee: read_from(knee) for knee in {branch.knee, *alike}}
+        peak, weight = found[branch.knee]
+        apart_N = np.nan_to_num(np.ptp([found[knee][0] for knee in alike]))
         return branch.sign * peak, float(np.hypot(loop.sample_noise_N * weight, 0.5 * apart_N))
 
     def predict(self, predicted: PredictedLoops, sites: observable.Sites) -> Array:
