@@ -68,7 +68,7 @@ def test_the_mean_of_one_repeat_is_that_repeat_however_much_its_numbers_share_of
     assert covariance_of(shared).mean == pytest.approx(observed.values[0], rel=1e-12)
 
 
-@pytest.mark.seconds
+@pytest.mark.slow
 def test_forces_under_a_stated_yield_stress_are_known_no_better_than_half_of_what_it_changes_them() -> None:
     observed, wires = reduce(record(repeats=1)), replace(states(), stroke_um=60.0)
     stated = replace(nominal("sensor"), print_um=1.0)

@@ -202,7 +202,7 @@ def _compliances(geometry: WireGeometry) -> np.ndarray:
     return np.array([share @ compliance[k::3, k::3] @ share for k in range(3)])
 
 
-@pytest.mark.seconds
+@pytest.mark.slow
 def test_narrow_tubes_are_as_stiff_as_wires_and_wide_ones_softer() -> None:
     wire, narrow, wide = (_compliances(tube(bore_mm)) for bore_mm in (0.0, 0.06, 0.7))
     assert narrow == pytest.approx(wire, rel=0.01)

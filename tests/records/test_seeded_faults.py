@@ -281,7 +281,8 @@ def test_a_normal_force_turned_is_said_and_one_in_another_unit_refused(sound: Ex
         read_loops(folder)
 
 
-@pytest.mark.parametrize("angle_deg", [90.0, 60.0, 30.0])
+@pytest.mark.first_case
+@pytest.mark.parametrize("angle_deg", [30.0, 60.0, 90.0])
 def test_scars_that_worn_cylinders_leave_are_no_problem_at_any_angle(sound: ExperimentRecord, angle_deg: float) -> None:
     """Of cylinders that overlap by 30 µm: half of the overlap each, the moving wire's drawn out by ±50 µm."""
     sine, cosine = np.sin(np.radians(angle_deg)), np.cos(np.radians(angle_deg))

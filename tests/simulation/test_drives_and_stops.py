@@ -47,6 +47,7 @@ def held(text: str, base: str = ON_A_RIG) -> str:
     return base.replace("{held}", text)
 
 
+@pytest.mark.first_case
 @pytest.mark.parametrize(
     ("key", "target", "column"),
     [

@@ -148,6 +148,7 @@ def test_metal_that_flows_is_named_before_it_is_followed(monkeypatch: pytest.Mon
         simulate(study, fidelity="quick", observer=observer)
 
 
+@pytest.mark.first_case
 @pytest.mark.seconds
 @pytest.mark.parametrize(
     ("yield_MPa", "pressure_MPa", "radius_um", "print_um"),

@@ -83,7 +83,7 @@ def _error_against_cells(matrix: Array, patch_shape: tuple[int, int], size: tupl
     return float(np.abs(found - exact).max() / exact.max())
 
 
-@pytest.mark.seconds
+@pytest.mark.slow
 def test_a_loaded_node_gives_way_as_its_cell_does_between_two_half_spaces() -> None:
     upper, lower = _bodies()
     size = (float(np.diff(upper.patch.axial_mm)[8]), float(np.diff(upper.patch.transverse_mm)[8]))
@@ -182,7 +182,7 @@ def flat(size_mm: float = 1.0, elements: int = 16, depth: int = 10) -> SurfaceSt
     return SurfaceStress(mesh, bodies.patch_on(mesh), bodies.STEEL, (step, 1.0))
 
 
-@pytest.mark.seconds
+@pytest.mark.slow
 @pytest.mark.parametrize("x", [-1.0, -0.6, 0.0, 0.8, 1.3])
 def test_rays_sum_hertzs_tractions_to_hamiltons_stress(x: float) -> None:
     between = SubgridTraction.of_nodes(hertz(4.0, (0.0, 0.0)))
