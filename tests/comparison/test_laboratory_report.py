@@ -16,7 +16,7 @@ from tests.records.point_records import run_of, run_of_wires
 from wirewear import read_record, record_of_result, write_record, write_result
 from wirewear.comparison.budget import Budget, Contribution, of_repeats
 from wirewear.comparison.laboratory_report import NOT_STATED, LaboratoryReport, laboratory_report
-from wirewear.records.test_tables import Metadata
+from wirewear.records.common_tables import Metadata
 
 pytestmark = pytest.mark.seconds
 

@@ -14,7 +14,7 @@ from tests.records.loop_files import HEAD
 from tests.records.point_records import run_of_wires
 from wirewear import RecordError, read_record, write_record, write_result
 from wirewear.records.importing import import_record
-from wirewear.results.flat import write_flat_tables
+from wirewear.results.export import write_flat_tables
 
 STUDIES = Path(__file__).parents[2] / "studies"
 HAND_WRITTEN, SWEEP = STUDIES / "steel_wires" / "example_records" / "no_gap", STUDIES / "rig_sensitivity" / "sweep.toml"

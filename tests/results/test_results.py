@@ -19,7 +19,7 @@ from tests.synthetic_results import bowl, earlier_line_result, result
 from wirewear.base.errors import ResultError
 from wirewear.base.hdf5 import hdf5_image, sealed
 from wirewear.results import EVOLUTION_COLUMNS, Evolution, Loop, RunResult, Scar, read_result, write_result
-from wirewear.results.flat import evolution_table, loops_table, profiles_table, write_time_series
+from wirewear.results.export import evolution_table, loops_table, profiles_table, write_time_series
 from wirewear.results.scar import WIRES, body_named
 from wirewear.results.values import PlasticStrain
 

@@ -15,8 +15,8 @@ from wirewear.strand.bending import BentLayer, MemberSlip, member_slips
 from wirewear.strand.construction import Layer, RopeWire, Strand
 from wirewear.strand.contacts import Bend, contacts_of
 from wirewear.strand.estimates import ContactEstimate, estimated
-from wirewear.strand.found import RopeContacts
 from wirewear.strand.helix import DoubleHelix, Helix, least_radius_mm, radial_share
+from wirewear.strand.rope_contacts import RopeContacts
 
 near = partial(pytest.approx, rel=0.005)
 

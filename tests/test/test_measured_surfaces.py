@@ -24,7 +24,7 @@ from wirewear.loops import Sensor, SensorNoise, analyse_loop
 from wirewear.records import LineRecord, check_record
 from wirewear.records.values import stated_study
 from wirewear.results import BODIES, RunResult
-from wirewear.results.flat import profiles_table, scars_table
+from wirewear.results.export import profiles_table, scars_table
 from wirewear.simulation import problem as problem_module
 from wirewear.simulation import run_study, simulate
 from wirewear.simulation.expected_contact import stands_out
@@ -33,7 +33,7 @@ from wirewear.simulation.point_runs import PointRun
 from wirewear.simulation.problem import measured
 from wirewear.test import LineStudy, Study, load_study, study_from_tables
 from wirewear.test.study import read_study
-from wirewear.test.surfaces import StatedSurface, kept
+from wirewear.test.surfaces import StatedSurface, kept_map
 
 HALF = 1500
 #: What tables call the column of bodies.
@@ -42,7 +42,7 @@ BODY = {"test": "body", "body": "wire"}
 
 def surface_of(lines: tuple[Array, Array], depth_um: Any, frame: str = "test") -> StatedSurface:
     x, y = lines
-    return StatedSurface.model_validate({"frame": frame, **kept(x, y, depth_um(x[:, None], y[None, :]))})
+    return StatedSurface.model_validate({"frame": frame, **kept_map(x, y, depth_um(x[:, None], y[None, :]))})
 
 
 WIRES = {
@@ -246,7 +246,7 @@ def test_a_surface_that_stands_out_where_the_bodies_then_touch_is_named_before_a
     tables, line = study(BALL).resolved(), np.linspace(-1e3, 1e3, 11)
     depth = np.zeros((11, 11))
     depth[(0, 0) if "rim" in where else (2, 5)] = -rise_um
-    tables["bodies"][body]["surface"] = kept(line, line, depth)
+    tables["bodies"][body]["surface"] = kept_map(line, line, depth)
     at = r"\(-1000, -1000\)" if "rim" in where else r"\(-600, 0\)"
     with pytest.raises(StudyError, match=rf"{body} stands out by {rise_um:g} um .*at {at} um, {where}"):
         simulate(any_study(tables, "s.toml"), fidelity="quick")
@@ -258,7 +258,7 @@ def test_a_rise_that_the_load_levels_stands_out_nowhere(rise_um: float, alone: b
     line = np.linspace(-50.0, 50.0, 21)
     rise = rise_um * np.exp(-(((line[:, None] - 50.0) ** 2 + line[None, :] ** 2) / 20.0**2))
     tables = study(BALL).resolved()
-    tables["bodies"]["ball"]["surface"] = kept(line, line, -rise)
+    tables["bodies"]["ball"]["surface"] = kept_map(line, line, -rise)
     own = any_study(tables, "s.toml")
     assert isinstance(own, Study)
     assert (stands_out(own, 0.1) is not None) == alone

@@ -18,7 +18,7 @@ from wirewear.base.errors import RecordError
 from wirewear.diagnosis.fit.sensor_calibration import calibrate
 from wirewear.kinds import any_study
 from wirewear.test import load_study
-from wirewear.test.surfaces import depths_of_table, kept
+from wirewear.test.surfaces import depths_of_table, kept_map
 
 STEEL_WIRES = Path(__file__).parents[2] / "studies" / "steel_wires" / "study.toml"
 WEAR: dict[str, Any] = {"energy_wear_coefficient_mm3_per_J": 3e-5, "variation": "cycles"}
@@ -54,7 +54,7 @@ def test_numbers_of_a_programmes_blocks_must_be_finite() -> None:
 
 def with_surface(x_um: list[float], y_um: list[float], depth: Any) -> dict[str, Any]:
     """A study of a ball with that surface."""
-    stated = kept(np.arange(float(len(x_um))), np.arange(float(len(y_um))), np.asarray(depth, dtype=float))
+    stated = kept_map(np.arange(float(len(x_um))), np.arange(float(len(y_um))), np.asarray(depth, dtype=float))
     tables: dict[str, Any] = deepcopy(study(BALL).resolved())
     tables["bodies"]["ball"]["surface"] = stated | {"x_um": x_um, "y_um": y_um}
     return tables

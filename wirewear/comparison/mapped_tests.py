@@ -25,9 +25,9 @@ from wirewear.diagnosis.fit.stiffness import rig_compliance
 from wirewear.loops import LoopError, LoopFigures
 from wirewear.loops.figures import RegimeOfTest, regime_of
 from wirewear.records import AnyRecord, read_record
+from wirewear.records.common_tables import Source
 from wirewear.records.evolution_checks import accumulated_energy_J
 from wirewear.records.exporting import true_loop
-from wirewear.records.test_tables import Source
 from wirewear.records.values import MeasuredLoop
 from wirewear.results import RunResult, read_loops, read_results
 from wirewear.test.lengths import WHOLE, Extent

@@ -96,7 +96,7 @@ class AtAPoint(Contacts):
         return write_meshes(study, fidelity, folder, ending)
 
     def write_beside(self, results: Sequence[RunResult], folder: Path) -> None:
-        from wirewear.results.flat import FOLDER_NAME, write_time_series
+        from wirewear.results.export import FOLDER_NAME, write_time_series
 
         for result in results:
             write_time_series(result, (folder if result.path is None else result.path.parent) / FOLDER_NAME)
@@ -154,7 +154,7 @@ class AlongALine(Contacts):
     def write_beside(self, results: Sequence[RunResult], folder: Path) -> None:
         from wirewear.pictures.lines import line_variants
         from wirewear.pictures.style import save
-        from wirewear.results.flat import write_flat_tables
+        from wirewear.results.export import write_flat_tables
 
         for result in results:
             own = folder if result.path is None else result.path.parent

@@ -17,13 +17,13 @@ from wirewear.records.importing.mapping import ScarSource
 from wirewear.records.importing.profilometry import MapOfBody, grid_of_points, levelled, scar_of
 from wirewear.test import LineStudy, study_from_tables
 from wirewear.test.messages import validated
-from wirewear.test.surfaces import COLUMNS, StatedSurface, kept, surfaces_in
+from wirewear.test.surfaces import COLUMNS, StatedSurface, kept_map, surfaces_in
 
 #: Lines x (n_x,) and y (n_y,) along and across the motion, and depths (n_x, n_y), all in µm.
 Map = tuple[Array, Array, Array]
 
 #: Depths of a surface whose own are still to be found.
-_LEVEL = kept(np.arange(2.0), np.arange(2.0), np.zeros((2, 2)))
+_LEVEL = kept_map(np.arange(2.0), np.arange(2.0), np.zeros((2, 2)))
 
 
 def with_levelled(tables: Mapping[str, object], where: str) -> Mapping[str, object]:
@@ -50,7 +50,7 @@ def with_levelled(tables: Mapping[str, object], where: str) -> Mapping[str, obje
             raise StudyError(f"the surface of {place[-1]} in {where} cannot be taken: {problem}") from None
         if stated.centred_on == "map":
             x, y = x - 0.5 * (x[0] + x[-1]), y - 0.5 * (y[0] + y[-1])
-        holder[key] = {"frame": "test", **kept(x, y, depth)}
+        holder[key] = {"frame": "test", **kept_map(x, y, depth)}
     return whole
 
 

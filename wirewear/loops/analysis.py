@@ -82,7 +82,7 @@ def allowed_slip(slip_um: Measured, amplitude_um: Measured, energy_mJ: Measured,
 def within_bounds(found: LoopFigures) -> LoopFigures:
     """The figures, limited to 0 ≤ A ≤ 1, 0 ≤ B ≤ 1 and 0 ≤ E_d/(4Pδ0) ≤ max|Q|/P.
 
-    A figure whose interval reaches its bound is set to the bound; one beyond it is left out (None), with a note.
+    A figure beyond a bound is set to the bound if its interval reaches it, else left out (None), with a note.
     """
     notes = list(found.notes)
     held: dict[str, Any] = {}

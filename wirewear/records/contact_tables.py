@@ -11,9 +11,9 @@ from wirewear.base import kinds
 from wirewear.base.errors import RecordError
 from wirewear.base.files import table_of
 from wirewear.records import tables
+from wirewear.records.common_tables import FRICTION_FORCE, Metadata, OfRecord, of_kinds
 from wirewear.records.surfaces import NO_SURFACES, PROFILES, SCARS
 from wirewear.records.tables import PointRecordTables, PointTest, RecordTables, curved
-from wirewear.records.test_tables import FRICTION_FORCE, Metadata, OfRecord, of_kinds
 from wirewear.results.scar import BODIES
 from wirewear.test import keys, study_from_tables
 from wirewear.test.bodies import Body, CoatedBody, MaterialKeys

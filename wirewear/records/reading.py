@@ -22,11 +22,11 @@ from wirewear.base.recognising import Held, require_no_other
 from wirewear.base.words import shown
 from wirewear.base.writing import set_aside
 from wirewear.records.columns import Column, ColumnTable, read_columns
+from wirewear.records.common_tables import OfTest
 from wirewear.records.contact_tables import RECORDS, AnyTables
 from wirewear.records.normal_force import pressing
 from wirewear.records.surfaces import SCARS, WornSurfaces
 from wirewear.records.tables import RecordTables
-from wirewear.records.test_tables import OfTest
 from wirewear.records.values import AnyRecord, ExperimentRecord, MeasuredEvolution, MeasuredLoop
 from wirewear.test.keys import Table, quantity_of
 from wirewear.test.messages import first_problem, known_fields, same_but_for_unit, telling_problem

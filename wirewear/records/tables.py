@@ -11,9 +11,9 @@ from wirewear.base.errors import RecordError
 from wirewear.base.files import table_of
 from wirewear.base.units import Quantity
 from wirewear.base.words import shown
+from wirewear.records.common_tables import Metadata, OfRecord, OfTest
 from wirewear.records.scars import MeasuredScar
 from wirewear.records.surfaces import SCARS
-from wirewear.records.test_tables import Metadata, OfRecord, OfTest
 from wirewear.results.scar import WIRES, called
 from wirewear.test import keys
 from wirewear.test.bodies import Body

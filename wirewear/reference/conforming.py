@@ -107,7 +107,8 @@ class Taper:
     elastic: Elastic
 
     def assembly_force_N(self, push_mm: float, interference_mm: float, friction: float) -> float:
-        """Force in N once the pin has been pushed in by push_mm from an interference of its radius, sliding all over.
+        """Force in N at which the pin, sliding all over, has been pushed in by push_mm; interference_mm: of its radius
+        over the hub's before.
 
         Discs of radius r under the pressure p widen by p r/E times ((R² + r²)/(R² - r²) + nu) and 1 - nu (Timoshenko,
         Strength of Materials II); a force along the axis widens them by Poisson's ratio, and it and the pressure

@@ -1,4 +1,7 @@
-"""The evolution of a run: a table with one row for each measured cycle."""
+"""The evolution of a run: a table with one row for each measured cycle.
+
+A cycle is measured where the run closes a loop without wear; of some, loop, scars and forces are recorded as well.
+"""
 
 from __future__ import annotations
 

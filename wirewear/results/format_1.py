@@ -23,7 +23,7 @@ from wirewear.base import kinds
 from wirewear.base.errors import ResultError
 from wirewear.results.contact_forces import ContactForces
 from wirewear.results.evolution import Evolution
-from wirewear.results.flat import whole
+from wirewear.results.export import whole
 from wirewear.results.scar import Scar
 from wirewear.results.values import LOOP_COLUMNS, Loop, RunResult
 from wirewear.test.lengths import whole_test

@@ -18,7 +18,7 @@ from wirewear.base.errors import StudyError
 from wirewear.base.memory import free_memory
 from wirewear.base.words import counted
 from wirewear.results import PRESSURE_LENGTH, ContactForces, RunResult, Scar
-from wirewear.results.flat import TIME_SERIES_FILES
+from wirewear.results.export import TIME_SERIES_FILES
 from wirewear.results.values import PlasticStrain
 from wirewear.simulation.discretisation import Discretisation, discretise, unknowns
 from wirewear.simulation.meshes import MeshHistory, PointMeshes

@@ -20,7 +20,7 @@ from wirewear.base.errors import ResultError
 from wirewear.base.writing import write_csv, write_grid, writing
 from wirewear.pictures.style import INK, WIDTH_in, cycle_name, new_figure, panel_letters, save
 from wirewear.results import RunResult
-from wirewear.results.flat import write_collection
+from wirewear.results.export import write_collection
 from wirewear.stress.bodies import (
     BodyState,
     Tracked,

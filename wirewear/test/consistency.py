@@ -73,6 +73,17 @@ def inconsistency(tables: CommonTables) -> Inconsistency | None:
     return next((found for check in checks if (found := check(tables)) is not None), None)
 
 
+def _stroke(tables: ContactTables) -> Inconsistency | None:
+    amplitude_um = tables.conditions.displacement_amplitude_um
+    thinnest_mm = min(min(body.diameters_mm) for body in tables.bodies_of_test())
+    if amplitude_um > 1e3 * thinnest_mm:
+        return Inconsistency(
+            ("conditions", "displacement_amplitude_um"),
+            f"is {amplitude_um:g} µm, but must not exceed the smallest diameter, {1e3 * thinnest_mm:g} µm",
+        )
+    return None
+
+
 def _wear(tables: ContactTables) -> Inconsistency | None:
     wear = tables.wear
     if wear is None:
@@ -209,7 +220,7 @@ def _fidelities(tables: ContactTables) -> Inconsistency | None:
 
 Check = Callable[[Any], Inconsistency | None]
 _OF_ALL: tuple[Check, ...] = (_layers, _programme, _held)
-_OF_A_POINT: tuple[Check, ...] = (_wear, _bulk, _near_zone, _holder, _effects, _explicit, _fidelities)
+_OF_A_POINT: tuple[Check, ...] = (_stroke, _wear, _bulk, _near_zone, _holder, _effects, _explicit, _fidelities)
 
 
 #: Yields keys that tables state but that have no effect, because others take their place.

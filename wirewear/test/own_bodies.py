@@ -145,7 +145,9 @@ def source_of(stated: MeshKeys) -> MeshSource:
 
 
 def unfit_mesh(stated: MeshKeys, poissons_ratio: float) -> tuple[str, str] | None:
-    """(key, rest of a sentence on it) if the mesh file gives no body of this Poisson's ratio; None if it does."""
+    """(key, rest of a sentence on it) if a key is missing, or the mesh is damaged, of an unlikely size, too coarse
+    under the contact, or of elements that lock at this Poisson's ratio; None if it can be taken.
+    """
     if problem := _unstated(stated, "mesh", FORMATS, ("file", "unit", "contact", "held")):
         return problem
     try:

@@ -120,7 +120,7 @@ class TwoBodiesTables(ContactTables, _OfTwoBodies):
         return found
 
     def contradiction(self) -> Inconsistency | None:
-        return self.bodies.contradiction() or _of_wires(self) or self.too_far()
+        return self.bodies.contradiction() or _of_wires(self)
 
 
 class BallOnFlatTables(TwoBodiesTables):

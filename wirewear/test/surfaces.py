@@ -137,7 +137,7 @@ class StatedSurface(Table):
             return table
         given = {key: value for key, value in table.items() if key != "file"}
         try:
-            taken = kept(*depths_of_table(Path(name)))
+            taken = kept_map(*depths_of_table(Path(name)))
         except RecordError as problem:
             raise ValueError(f"gives a file that cannot be taken: {str(problem).rstrip('.')}") from None
         if idle := [key for key in _OF_HEIGHTS if key in given]:
@@ -198,10 +198,10 @@ def _map(x: tuple[float, ...], y: tuple[float, ...], depths: str) -> tuple[Array
     return np.array(x), np.array(y), flat.reshape(len(x), len(y))
 
 
-def kept(x: Array, y: Array, depth: Array) -> dict[str, object]:
-    """The keys KEPT of a map, lines x (n_x,) and y (n_y,) and depths (n_x, n_y) in µm, as a study holds it.
-    Neighbouring lines beyond MOST_LINES are averaged; gaps (not finite) get the nearest depth. Raises RecordError if
-    the map has no depth.
+def kept_map(x: Array, y: Array, depth: Array) -> dict[str, object]:
+    """A map as a study keeps it, by the keys KEPT: its lines, and its depths compressed, as text. x (n_x,), y (n_y,),
+    depth (n_x, n_y): in µm. Neighbouring lines beyond MOST_LINES are averaged; gaps (not finite) get the nearest depth.
+    Raises RecordError if the map has no depth.
     """
     from scipy.ndimage import distance_transform_edt
 

@@ -156,7 +156,9 @@ class CommonTables(StatesItsKind, ABC):
 
     @abstractmethod
     def contradiction(self) -> keys.Inconsistency | None:
-        """The first contradiction among the keys of the bodies, or between them and other keys; None if all fit."""
+        """The first contradiction among the keys of the bodies, or in what this kind of test alone takes; None if all
+        fit. What holds for any contact is checked in `consistency`.
+        """
 
 
 def compliance(stiffness: float | Literal["rigid"]) -> float:
@@ -227,17 +229,6 @@ class ContactTables(CommonTables):
             lower_layers=layers_of(driven.layers, self.contact.friction),
         )
 
-    def too_far(self) -> keys.Inconsistency | None:
-        """The contradiction of an amplitude above the smallest diameter of the bodies; None if it is smaller."""
-        amplitude_um = self.conditions.displacement_amplitude_um
-        thinnest_mm = min(min(body.diameters_mm) for body in self.bodies_of_test())
-        if amplitude_um > 1e3 * thinnest_mm:
-            return keys.Inconsistency(
-                ("conditions", "displacement_amplitude_um"),
-                f"is {amplitude_um:g} µm, but must not exceed the smallest diameter, {1e3 * thinnest_mm:g} µm",
-            )
-        return None
-
 
 class _OfWires(StatesItsKind):
     """The keys with which a study of crossed wires begins."""
@@ -265,4 +256,4 @@ class StudyTables(ContactTables, _OfWires):
     def contradiction(self) -> keys.Inconsistency | None:
         twice = self.wires.motion_angle_deg is not None
         second = keys.Inconsistency(("conditions", "motion_angle_deg"), "is given, and the wires give it as well")
-        return self.wires.contradiction() or (second if twice else None) or self.too_far()
+        return self.wires.contradiction() or (second if twice else None)

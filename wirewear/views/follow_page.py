@@ -15,7 +15,7 @@ from wirewear.base import frame
 from wirewear.base.errors import ResultError
 from wirewear.base.words import counted
 from wirewear.base.writing import write_csv, write_text, writing
-from wirewear.comparison.followed import FollowedLoop
+from wirewear.comparison.running_test import FollowedLoop
 from wirewear.diagnosis.watch import Look
 from wirewear.pictures.panels import draw_loop, name_axes
 from wirewear.pictures.style import GREY, INK, VARIANT_COLOURS, cycle_axis, new_figure, panel_letters, svg

@@ -15,7 +15,7 @@ from wirewear.comparison.maps import LOADS, TRANSITION, energy_ratio, fresh_cont
 from wirewear.loops import LoopError, LoopFigures, analyse_loop
 from wirewear.pictures.smooth import chosen_cycles, smooth_loop, smooth_scar, worn_half_extent
 from wirewear.results import PRESSURE_LENGTH, Loop, RunResult, Scar
-from wirewear.results.flat import named_for_users
+from wirewear.results.export import named_for_users
 from wirewear.results.health import health
 from wirewear.views.run_words import balance, sentence, settings_rows, slope_mm3_per_J
 

@@ -11,7 +11,7 @@ from wirewear.base.words import counted
 from wirewear.base.writing import json_text
 from wirewear.comparison.maps import energy_ratio, line_through_origin, slides
 from wirewear.results import BORNE, BORNE_IS, ELASTIC_LAYERS, PLAY_TRAVEL, SPRING_TRAVEL, RunResult
-from wirewear.results.flat import named_for_users
+from wirewear.results.export import named_for_users
 from wirewear.results.health import limit_of
 from wirewear.results.scar import figure_volume
 from wirewear.results.values import ENDLESS, FLOW, FLOW_CYCLES, RATCHETTING, SKIN

@@ -16,7 +16,7 @@ from wirewear.base.words import counted
 from wirewear.results import RunResult, write_result
 from wirewear.results import read_result as read_plain
 from wirewear.results import read_results as read_all_plain
-from wirewear.results.flat import labelled, surface_mesh, tables_of, write_netcdf
+from wirewear.results.export import labelled, surface_mesh, tables_of, write_netcdf
 from wirewear.results.scar import called
 
 if TYPE_CHECKING:

@@ -18,7 +18,7 @@ from wirewear.base.files import kept_table
 from wirewear.base.writing import json_text, write_text
 
 if TYPE_CHECKING:
-    from wirewear.comparison.followed import FollowedLoop
+    from wirewear.comparison.running_test import FollowedLoop
     from wirewear.diagnosis.watch import Look, Watched
     from wirewear.records import AnyRecord
     from wirewear.records.importing.growing import Growth
@@ -116,7 +116,7 @@ class _Seen:
 
     def take(self, growth: Growth, *, ended: bool) -> None:
         """Read the files; print and keep what is new in them."""
-        from wirewear.comparison.followed import energies_J
+        from wirewear.comparison.running_test import energies_J
         from wirewear.diagnosis.watch import looks_among
         from wirewear.records.importing.growing import record_so_far
         from wirewear.views.follow_page import RunningTest
@@ -157,7 +157,7 @@ class _Seen:
         return [] if self._course is None else write_follow(self._course, self.output, ended=ended)
 
     def _figures(self, record: AnyRecord, loop: MeasuredLoop, digest: str, clock: str) -> FollowedLoop:
-        from wirewear.comparison.followed import FollowedLoop, followed_loop
+        from wirewear.comparison.running_test import FollowedLoop, followed_loop
 
         kept = self.journal["loops"]
         if digest not in kept:

@@ -220,7 +220,7 @@ def _sensor_of(noise: str, gain: str, others: str) -> tuple[Any, float]:
 
 
 def _export_tables(result: Any, folder: Path, form: str, *, overwrite: bool) -> None:
-    from wirewear.results.flat import write_flat_tables, write_netcdf
+    from wirewear.results.export import write_flat_tables, write_netcdf
 
     with busy("writing tables"):
         written = (

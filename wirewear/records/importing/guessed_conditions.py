@@ -16,11 +16,11 @@ from wirewear.loops.clock import Clock, read_clock
 from wirewear.loops.cycles import split_cycles
 from wirewear.loops.drive import even_period, period_by_phase, period_of, series
 from wirewear.loops.reading import read_loop
+from wirewear.records.common_tables import FRICTION_FORCE
 from wirewear.records.importing.guessed_columns import GuessedFile, shut
 from wirewear.records.importing.guessed_files import FEWEST
 from wirewear.records.importing.importing import drives_motion, loops_of
 from wirewear.records.importing.mapping import LoopSource
-from wirewear.records.test_tables import FRICTION_FORCE
 from wirewear.records.values import MeasuredLoop
 from wirewear.test.bodies import OPEN
 from wirewear.test.keys import AMPLITUDE_um

@@ -14,6 +14,7 @@ from wirewear.base.errors import RecordError
 from wirewear.base.files import toml_text
 from wirewear.base.naming import plain
 from wirewear.base.words import as_sentence
+from wirewear.records.common_tables import FRICTION_FORCE
 from wirewear.records.importing.guessed_columns import GuessedFile
 from wirewear.records.importing.guessed_conditions import conditions_of
 from wirewear.records.importing.guessed_files import joined, looked_into, mapped_columns
@@ -22,7 +23,6 @@ from wirewear.records.importing.height_maps import is_map, matrix_of
 from wirewear.records.importing.sources import name_pattern
 from wirewear.records.importing.text_reader import open_lines
 from wirewear.records.remarks import plural
-from wirewear.records.test_tables import FRICTION_FORCE
 from wirewear.results.scar import called
 from wirewear.test.bodies import OPEN
 from wirewear.test.lengths import extent_of

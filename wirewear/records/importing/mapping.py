@@ -9,11 +9,11 @@ from pydantic import BeforeValidator, Field, PlainValidator
 from wirewear.base.files import DELIMITERS, is_encoding_of_text
 from wirewear.base.units import FIELD_UNITS, UNITS_PER_LENGTH, Quantity
 from wirewear.base.words import shown
+from wirewear.records.common_tables import Metadata, of_kinds
 from wirewear.records.contact_tables import Bodies, BodiesTest, JointTest, LineTest
 from wirewear.records.importing.height_maps import MapScale
 from wirewear.records.importing.loggers import readers
 from wirewear.records.tables import Frame, Noise, PointTest, RecordConditions, Stated, WiresTest
-from wirewear.records.test_tables import Metadata, of_kinds
 from wirewear.test.keys import CheckedFlag, Table, checked_text, one_of
 from wirewear.test.lengths import extent_of
 

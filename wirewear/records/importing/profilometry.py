@@ -14,6 +14,7 @@ import numpy as np
 from geometry import Cylinder, Flat
 from geometry.arrays import Array, BoolArray
 from wirewear.base.errors import RecordError
+from wirewear.records.common_tables import OfTest
 from wirewear.records.contact_tables import LineTest
 from wirewear.records.importing.height_maps import height_map
 from wirewear.records.importing.mapping import PROFILOMETER, PointMapping, ProfileSource, ScarSource
@@ -24,7 +25,6 @@ from wirewear.records.scars import MeasuredScar, grid_of
 from wirewear.records.spikes import without_spikes
 from wirewear.records.surface_search import direction_deg
 from wirewear.records.surfaces import PROFILES, SCARS
-from wirewear.records.test_tables import OfTest
 from wirewear.records.unworn_bodies import FaceSurface, RoundSurface
 from wirewear.results.scar import called
 from wirewear.test.bodies import Body, Wire
