@@ -288,7 +288,7 @@ class RunResult:
 
     @property
     def worn_volume_mm3(self) -> Array:
-        """Worn volume (n,) of both bodies together at the measured cycles."""
+        """Worn volume (n,) of both bodies together at the cycles of the evolution."""
         driven, other = (self.evolution[f"worn_volume_{body}_mm3"] for body in self.bodies)
         return np.asarray(driven + other)
 

@@ -29,8 +29,8 @@ Reported = Callable[[solvers.ContactState, solvers.IncrementReport], None]  #: C
 class Traced:
     """A cycle traced without wear, and the problem (without effects of age) and state that it was traced for.
 
-    start: the state at its beginning. It is not `state` where the drive holds a figure of the loop, as slip or energy:
-    the cycle is then traced at the amplitude that meets it.
+    start: the state from which it closes, after cycles that were repeated from `state` until one does; if the drive
+    holds a figure of the loop, as slip or energy, at the amplitude that meets it.
     """
 
     problem: solvers.ContactProblem
