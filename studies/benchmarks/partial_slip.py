@@ -7,10 +7,13 @@ runs and loaded until they all but slide. Loops of every amplitude are the first
 each of their four quarters friction works as much; they are compared with Mindlin and Deresiewicz at the same force.
 The second row of each has the core's radius less a(1 − Q/µP)^⅓ in elements, and the error of the stiffness K, without
 what the bodies' bulk gives way, in percent; a contact takes up to 15 GiB at fine. --runs adds whole runs at half of the
-sliding force, on a rigid rig and on one as stiff as the contact.
+sliding force, on a rigid rig and on one as stiff as the contact. --lines adds whole runs of a cylinder of 25 mm on a
+flat, under a bulk stress in phase with the force, against Nowell and Hills (the stick zone by moments of µp − q), and
+--worn volumes of a ball and of a line contact that have worn out under held forces.
 """
 
 from dataclasses import dataclass
+from math import acosh, pi
 from pathlib import Path
 from typing import Any
 
@@ -18,6 +21,8 @@ import click
 import numpy as np
 from matplotlib.patches import Circle
 from numpy.typing import NDArray
+from scipy.integrate import quad
+from scipy.optimize import brentq
 
 from studies.study_script import StudyScript
 from wirewear import reference
@@ -35,8 +40,11 @@ from wirewear.simulation.workbench import (
 from wirewear.test import Study, study_from_tables
 from wirewear.test.fidelity import FIDELITIES
 from wirewear.test.gaps import hertz_of
+from wirewear.verification.partial_slip_run import held_force_shape, held_force_study
 
 SHARES = (0.15, 0.2, 0.3, 0.4, 0.5, 0.7, 0.85, 0.95)
+LINE = 150.0, 0.6, 25.0  #: Load in N/mm, friction and radius in mm of a line contact.
+BULK = ((0.3, 60.0), (0.3, 120.0), (0.6, 60.0), (0.6, 200.0), (0.9, 60.0))  #: Its shares of µP, and stresses in MPa.
 DRAWN = 0.5  #: Share of µP at which the annulus is drawn.
 _STEEL: dict[str, Any] = {"youngs_modulus_MPa": 210000.0, "poissons_ratio": 0.3}
 KINDS: dict[str, tuple[float, float, dict[str, Any]]] = {
@@ -191,6 +199,76 @@ def _force(state: ContactState) -> float:
     return abs(float(state.primary_force[:, 0].sum()))
 
 
+def line_run(level: str, share: float, bulk_MPa: float = 0.0, cycles: int = 1) -> Any:
+    """A run of the line contact `LINE` under this share of its sliding force; it wears if there are several cycles."""
+    load, friction, radius = LINE
+    tables = {
+        "format": 1,
+        "name": "line",
+        "kind": "cylinder-on-flat",
+        "pad": {"radius_mm": radius, **_STEEL},
+        "specimen": {**_STEEL, **({"bulk": {"axial_stress_amplitude_MPa": bulk_MPa}} if bulk_MPa else {})},
+        "conditions": {
+            "normal_load_N_per_mm": load,
+            "displacement_amplitude_um": 30.0,
+            "held_tangential_force_N_per_mm": share * friction * load,
+            "cycles": cycles,
+        },
+        "contact": {"friction": friction},
+        "log": {"loop_cycles": sorted({1, cycles})},
+        **({"wear": {"pad_energy_mm3_per_J": 1e-3, "specimen_energy_mm3_per_J": 1e-3}} if cycles > 1 else {}),
+    }
+    return simulate(study_from_tables(tables, "line"), fidelity=level)
+
+
+def _hertz_line() -> tuple[reference.LineContact, float]:
+    load, _, radius = LINE
+    steel = reference.Elastic(*_STEEL.values())
+    modulus = reference.contact_modulus(steel, steel)
+    return reference.hertz_line(load, radius, modulus), modulus
+
+
+def line_row(level: str, share: float, bulk_MPa: float) -> str:
+    """Errors in percent of a loop's energy and of the stick zone's size and shift."""
+    run, (hertz, modulus), friction = line_run(level, share, bulk_MPa), _hertz_line(), LINE[1]
+    forces = run.computed.forces(1, "specimen")
+    x = 1e-3 * run.scar(1, "specimen").axial_um[forces.nodes]
+    sheared = forces.force_N[..., 0]
+    at_end = int(np.argmax(np.abs(sheared.sum(axis=1))))
+    pressed, force = np.abs(forces.force_N[at_end, :, 2]), abs(float(sheared[at_end].sum()))
+    unused = friction * pressed - np.abs(sheared[at_end].sum()) / sheared[at_end].sum() * sheared[at_end]
+    middle = float(unused @ x / unused.sum())
+    half = 2.0 * float(unused @ (x - middle) ** 2 / unused.sum()) ** 0.5
+    shift = abs(middle - float(pressed @ x / pressed.sum()))
+    limit = friction * hertz.normal_load_N_per_mm
+    exact = reference.line_energy_per_cycle(hertz, friction, modulus, force, bulk_MPa)
+    found = {
+        "energy": float(run.loops[0].friction_work_mJ[-1]) / exact,
+        "size": half / (hertz.half_width_mm * reference.line_stick_ratio(force, limit)),
+        "shift": shift / reference.line_stick_shift(hertz, friction, bulk_MPa),
+    }
+    cells = " | ".join(f"{name} {100.0 * (value - 1.0):+.1f}" for name, value in found.items())
+    return f"| line, {level}, {share:g}, {bulk_MPa:g} MPa | {cells} |".replace("-", "−")
+
+
+def worn_row(level: str, share: float) -> str:
+    """Errors in percent of volumes worn at the end: of a ball, and of a line contact, whose core leaves a punch's share
+    of the load, Q/µ.
+    """
+    (hertz, modulus), (load, _, radius) = _hertz_line(), LINE
+    core, punch = hertz.half_width_mm * (1.0 - share) ** 0.5, 2.0 * share * load / (pi * modulus)
+
+    def depth(x: float) -> float:
+        angle = acosh(x / core)
+        return float(punch * angle - (x * (x**2 - core**2) ** 0.5 - core**2 * angle) / (2.0 * radius))
+
+    area = 2.0 * quad(depth, core, brentq(depth, 1.001 * core, 20.0 * core))[0]
+    ball = simulate(held_force_study(share), fidelity=level).worn_volume_mm3[-1] / held_force_shape(share)[1]
+    line = line_run(level, share, cycles=20_000).worn_volume_mm3[-1] / area
+    cells = f"ball {100.0 * (ball - 1.0):+.1f} | line {100.0 * (line - 1.0):+.1f}"
+    return f"| worn, {level}, {share:g} | {cells} |".replace("-", "−")
+
+
 def rows(loadings: dict[tuple[str, str], Loading]) -> list[str]:
     """Lines of the table in the docs: errors at the steps nearest to the shares of µP, in percent; and of the core."""
     lines = []
@@ -241,14 +319,22 @@ def picture(loadings: dict[tuple[str, str], Loading]) -> Any:
 @click.option("--level", "levels", multiple=True, type=click.Choice(FIDELITIES), default=FIDELITIES[:2])
 @click.option("--kind", "kinds", multiple=True, type=click.Choice(tuple(KINDS)), default=tuple(KINDS))
 @click.option("--runs", type=click.Choice(FIDELITIES), help="Level of whole runs.")
+@click.option("--lines", type=click.Choice(FIDELITIES), help="Level of line contacts' runs.")
+@click.option("--worn", type=click.Choice(FIDELITIES), help="Level of runs that wear out.")
 @click.option("--output", type=click.Path(path_type=Path), default=Path("runs/partial_slip"), show_default=True)
-def main(levels: tuple[str, ...], kinds: tuple[str, ...], runs: str | None, output: Path) -> None:
+def main(
+    levels: tuple[str, ...], kinds: tuple[str, ...], runs: str | None, lines: str | None, worn: str | None, output: Path
+) -> None:
     """Load the contacts at each level, draw partial_slip.png and print the rows."""
     output.mkdir(parents=True, exist_ok=True)
     loadings = {(kind, level): loaded(kind, level) for kind in kinds for level in levels}
     drawn = {named: one for named, one in loadings.items() if named[0] in kinds[:2]}
     click.echo(style.save(lambda: picture(drawn), output / "partial_slip.png"))
     click.echo("\n".join(rows(loadings)))
+    if lines is not None:
+        click.echo("\n".join(line_row(lines, *one) for one in BULK))
+    if worn is not None:
+        click.echo("\n".join(worn_row(worn, share) for share in (0.15, 0.3, 0.6, 0.9)))
     if runs is None:
         return
     for rig in (np.inf, 1.0):
