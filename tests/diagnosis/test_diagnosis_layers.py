@@ -12,7 +12,7 @@ from tests.diagnosis.diagnosis_cases import diagnosed, nominal, record, states, 
 from tests.exam.independent_records import independent_record
 from wirewear.diagnosis.surrogate.forward import PredictedLoops, simulate
 from wirewear.diagnosis.surrogate.inputs import SurrogateInputs
-from wirewear.diagnosis.surrogate.layered_wires import FlattenedWires, LayeredWires
+from wirewear.diagnosis.surrogate.layered_wires import FlattenedWires, LayeredWires, flattened_wires
 from wirewear.reference import kept_approach
 
 CYCLES = np.array([1.0, 100.0, 1000.0, 3000.0, 10_000.0, 30_000.0, 100_000.0])
@@ -133,6 +133,13 @@ def test_sliding_prints_one_body_deeper_than_the_other_and_both_deeper_than_pres
     printed = wires.at(np.array([0.98, 0.58]) / unit, similarity=np.zeros(2))
     assert unit * 52.07**2 * printed.volume.sum(axis=1) == pytest.approx([4360.0, 1240.0], rel=0.17)
     assert unit * printed.depth == pytest.approx(np.array([[0.60, 1.38], [0.39, 0.73]]), rel=0.26)
+
+
+@pytest.mark.seconds
+def test_prints_of_a_contact_that_is_small_against_its_stroke_grow_evenly_with_what_pressing_keeps() -> None:
+    """All that touches comes to the limit there."""
+    volumes = [float(flattened_wires(0.48, 1.15, own, along=0.75, slid=True).volumes[-1]) for own in (1.16, 1.29)]
+    assert volumes[1] / volumes[0] == pytest.approx((1.29 / 1.16) ** 2, rel=0.1)
 
 
 @pytest.mark.first_case

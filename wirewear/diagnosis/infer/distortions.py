@@ -153,7 +153,7 @@ def families_of(layout: Layout) -> tuple[Family, ...]:
 
 
 def columns_of(problem: Problem, setup: SurrogateInputs) -> tuple[tuple[Columns, ...], ...]:
-    """For each family that the problem's layout can show, its alternative sets of columns at a setup."""
+    """For each family that the problem's layout can show, sets of columns at a setup, one for each of its shapes."""
     layout, states = problem.layout, problem.states
     loops = simulate(states, setup, layout.cycles)
     base = layout.observed(loops)

@@ -72,7 +72,7 @@ class HeldOutScores:
 
     def floor(self) -> Array:
         """Squared residuals (r, f) that a perfect model would leave: those of each repeat from the mean of all, plus
-        what solvers differ; 1 for a repeat that has no other beside it.
+        the variance by which solvers differ; 1 for a repeat that has no other beside it.
         """
         values = self.observed.values
         count = np.isfinite(values).sum(axis=0)

@@ -364,17 +364,22 @@ def _printed(kept: Array, stroke: float, fresh_radius: float, along: float) -> t
     stiffness = _FRESH * foundation(fresh_radius, np.sqrt(fresh_radius**2 + 2.0 * kept))
     limit = np.array([_limit_of(own, 1.5 / (np.pi * fresh_radius**2)) for own in kept.tolist()])
     places, own, most = fine.s.size - 1, stiffness[:, None, None], limit[:, None, None]
+    grid_area = float(fine.areas.sum()) * fine.x.size
     unworn, approach = 0.5 * (along * fine.x**2 + fine.y[:, None] ** 2), kept + 0.1 * fresh_radius**2
     for at in [*range(places), *range(places, -places, -1), *range(-places, places + 1)]:
         moving = fine.moving[:, :, places + at : places + at + fine.x.size]
         gap = unworn + fine.fixed + moving
+        # Where all that touches is at the limit, Newton's step has no length: the middle of what holds the root has.
+        low, high = gap.min(axis=(1, 2)), gap.max(axis=(1, 2)) + 1.0 / (stiffness * grid_area)
         for _ in range(_PRINT_STEPS):
             pressure = own * np.maximum(approach[:, None, None] - gap, 0.0)
             rising = own * ((pressure > 0.0) & (pressure < most))
             load, rim = (np.einsum("kyx,y->k", one, fine.areas) for one in (np.minimum(pressure, most), rising))
             if float(np.abs(load - 1.0).max()) < _PRINT_TOLERANCE:
                 break
+            low, high = np.where(load < 1.0, approach, low), np.where(load < 1.0, high, approach)
             approach = approach - (load - 1.0) / np.maximum(rim, 1e-9)
+            approach = np.where((low < approach) & (approach < high), approach, 0.5 * (low + high))
         closed = 0.5 * np.maximum(pressure - most, 0.0) / own
         fine.fixed[...] += closed
         moving += closed
