@@ -57,6 +57,7 @@ def test_one_test_alone_has_the_scatter_of_others_and_known_infinitely_well() ->
     assert (one.uncertainty, three.uncertainty) == pytest.approx((0.04, 1.0 / np.sqrt(3.0)))
 
 
+@pytest.mark.first_case
 @pytest.mark.parametrize("asked", [E2789, G204])
 def test_every_item_that_a_standard_names_stands_in_the_report(
     report: LaboratoryReport, asked: tuple[str, ...], tmp_path: Path, record_path: Path

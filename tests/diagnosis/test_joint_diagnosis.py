@@ -22,6 +22,7 @@ FAULTS = (
 )
 
 
+@pytest.mark.first_case
 @pytest.mark.seconds
 @pytest.mark.parametrize("own", [OWN_N_per_mm, '"rigid"'])
 def test_a_joint_as_stated_has_no_gap_and_nothing_is_said_of_bodies(tmp_path: Path, own: object) -> None:

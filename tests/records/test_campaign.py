@@ -180,6 +180,7 @@ def logged(stroke_um: float) -> str:
     return header + table((TIME, X * stroke_um / AMPLITUDE_um, FORCE, np.full_like(X, LOAD_N)), GERMAN)
 
 
+@pytest.mark.first_case
 @pytest.mark.parametrize("form", ["{}_raw.csv", "{}/raw.csv"])
 def test_a_folder_of_tests_gives_one_mapping_and_what_differs_between_them(tmp_path: Path, form: str) -> None:
     strokes = {"T1": 20.0, "T2": 30.0, "T10": 20.0}

@@ -106,6 +106,7 @@ def test_lists_of_an_export_that_are_repeated_add_up(tmp_path: Path) -> None:
     assert "layers" not in text
 
 
+@pytest.mark.first_case
 @pytest.mark.parametrize("kind", SHAPES)
 def test_heights_of_any_bodies_come_back_as_their_scars(tmp_path: Path, kind: str) -> None:
     """Tilted, raised and off the middle, as a profilometer has them."""

@@ -25,6 +25,7 @@ from wirewear.verification.partial_slip import FRICTION
 from wirewear.verification.partial_slip_run import held_force_shape, held_force_study, study_of
 
 
+@pytest.mark.first_case
 @pytest.mark.parametrize(("elements", "q", "longer"), [(8, 0.15, 1.0), (8, 0.3, 3.0), (8, 0.8, 1.5), (12, 0.2, 1.0)])
 def test_as_much_wears_on_lines_fitted_to_a_core_as_closed_forms_say(elements: int, q: float, longer: float) -> None:
     """Lines that are not fitted lose up to a third of it, or wear a sixth more."""

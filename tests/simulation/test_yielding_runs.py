@@ -148,8 +148,7 @@ def test_metal_that_flows_is_named_before_it_is_followed(monkeypatch: pytest.Mon
         simulate(study, fidelity="quick", observer=observer)
 
 
-@pytest.mark.first_case
-@pytest.mark.seconds
+@pytest.mark.slow
 @pytest.mark.parametrize(
     ("yield_MPa", "pressure_MPa", "radius_um", "print_um"),
     [(1400.0, 2952.0, 16.2, 0.120), (1800.0, 3556.0, 15.1, 0.063), (2400.0, 4273.0, 14.6, 0.014)],

@@ -136,6 +136,7 @@ def with_holder(wires: solvers.ContactProblem, name: str) -> solvers.ContactProb
     return replace(wires, holder=holders[name])
 
 
+@pytest.mark.first_case
 @pytest.mark.seconds
 @pytest.mark.parametrize("holder", ["rigid", "spring", "free play"])
 def test_straight_lines_between_increments_follow_a_loop_of_400(wires: solvers.ContactProblem, holder: str) -> None:

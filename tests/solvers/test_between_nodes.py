@@ -95,6 +95,7 @@ def test_where_the_contacts_edge_falls_between_nodes_does_not_show_in_saturated_
     assert sliding_force(problem, pressed(problem)[0]) == pytest.approx(limited_shear_N(hertz, 60.0), rel=0.02)
 
 
+@pytest.mark.first_case
 @pytest.mark.seconds
 @pytest.mark.parametrize("strength_MPa", [500.0, 1000.0, 4000.0])
 @pytest.mark.parametrize(("elements", "tolerance"), [(2.4, 0.05), (3.5, 0.02)])

@@ -38,6 +38,7 @@ def test_under_an_oscillating_flux_a_wide_surface_follows_an_eighth_of_a_period_
     assert middle == pytest.approx(exact, abs=0.02 * exact.max())
 
 
+@pytest.mark.first_case
 @pytest.mark.parametrize(("peclet", "cells"), [(0.3, 11), (3.0, 17), (20.0, 25)])
 def test_a_square_that_moves_is_as_hot_as_its_point_sources_say(peclet: float, cells: int) -> None:
     """Carslaw & Jaeger § 10.7, sources exp(-V (r + x) / (2 κ)) / (2 π k r) over a square; Péclet's number V l / (2 κ)

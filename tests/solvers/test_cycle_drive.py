@@ -105,6 +105,7 @@ def test_a_contact_opens_where_nothing_presses_and_bears_the_load_of_every_momen
     assert heights[apart].min() > heights[~apart].max()
 
 
+@pytest.mark.first_case
 @pytest.mark.seconds
 @pytest.mark.parametrize("of", ["wires", "line"])
 @pytest.mark.parametrize("load", [solvers.LoadCycle(0.5), HIGH_AT_ENDS, OPENS, LIFTED])

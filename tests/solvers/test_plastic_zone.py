@@ -145,6 +145,7 @@ def moved(zone: PlasticZone, state: Flowed) -> Array:
     return np.asarray(state.residual_mm + elastic - elastic.mean(axis=(0, 1)))
 
 
+@pytest.mark.first_case
 @pytest.mark.seconds
 @pytest.mark.parametrize("friction", [0.1, 0.6])
 def test_work_of_sliding_tractions_is_stored_or_plastic(friction: float) -> None:
