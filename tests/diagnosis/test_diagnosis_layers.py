@@ -65,6 +65,16 @@ def test_a_layer_unloaded_by_wear_lifts_the_wire_by_less_than_its_height() -> No
     assert lifted_um[-1] < FIVE["layer_um"]
 
 
+def test_without_wear_a_layer_of_constant_height_lifts_no_wire_whatever_the_slip() -> None:
+    own = replace(nominal(), normal_spring_N_per_um=0.01, wear_um3_per_mJ=0.0)
+    soft = with_effect(own, "tangential_compliance", {"stiffness_N_per_mm": 100.0})
+    found = course(
+        with_effect(soft, "friction_evolution", {"initial": 0.3, "final": 0.9, "cycles": 1000.0}), cycles=1e9
+    )
+    assert np.ptp(found.slip_um) > 20.0
+    assert found.normal_force_N == pytest.approx(own.load_N, abs=1e-6)
+
+
 def test_layers_of_springs_and_of_asperities_give_way_alike_where_the_closure_is_the_height() -> None:
     """A spring of s/P is that of asperities with an exponential law: closures over heights are the ratio of both."""
     rigid = replace(nominal(), stick_factor=1e6)

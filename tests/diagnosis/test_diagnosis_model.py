@@ -3,8 +3,6 @@
 import math
 from dataclasses import replace
 from pathlib import Path
-from types import SimpleNamespace
-from typing import Any
 
 import numpy as np
 import pytest
@@ -23,7 +21,6 @@ from wirewear.diagnosis.infer.inference import Fit
 from wirewear.diagnosis.infer.shrink import Shrink
 from wirewear.diagnosis.infer.weighing import SEPARABLE, classes_of, weigh
 from wirewear.diagnosis.infer.where import GapFinding
-from wirewear.diagnosis.notes import of_pairs
 from wirewear.diagnosis.observe.channels import loop_area
 from wirewear.diagnosis.observe.observable import ModelLoops, Scale
 from wirewear.diagnosis.observe.reduction import _all_observables, reduce
@@ -36,8 +33,6 @@ from wirewear.diagnosis.wording import _one, explanations, sentence_of, share
 from wirewear.effects import Chain
 from wirewear.effects.contact import RoughnessCompliance, ThirdBodyLayer
 from wirewear.records import ExperimentRecord, RecordTables
-from wirewear.records.contact_tables import LineRecordTables
-from wirewear.records.tables import PointRecordTables
 from wirewear.views.diagnosis_page import ten_lines
 
 FORCE_N = 1.24  #: µP of the first loops, before the scar gives them slopes.
@@ -354,15 +349,3 @@ def test_a_check_that_shows_no_gap_claims_no_shrink() -> None:
     assert "falls from 4.40 to 0.57 scatters, chance alone leaves 0.98; shrink 100 % (100 % to 100 %)" in checked
     assert "shrink" not in silent
     assert "tests may scatter hides the gap" in silent
-
-
-def test_of_balls_and_oblique_wires_an_answer_says_that_pairs_are_seldom_named() -> None:
-    def record(tables: Any, *angles_deg: float) -> Any:
-        bodies = tuple(SimpleNamespace(axis_angle_deg=angle) for angle in angles_deg)
-        askew = tables.crosses_askew.__get__(SimpleNamespace(bodies_of_test=bodies))
-        return SimpleNamespace(tables=SimpleNamespace(crosses_askew=askew))
-
-    assert "seldom both named" in of_pairs(record(PointRecordTables, 0.0, 0.0))[0]
-    assert of_pairs(record(PointRecordTables, 0.0, 40.0))
-    assert not of_pairs(record(PointRecordTables, 0.0, 90.0))
-    assert not of_pairs(record(LineRecordTables))

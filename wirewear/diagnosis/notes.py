@@ -100,19 +100,7 @@ def of_the_record(
         )
     if record.tables.body_names and not record.scars:
         notes.append("there are no scars: effects that only scars show cannot be seen")
-    return (*notes, *of_pairs(record))
-
-
-def of_pairs(record: AnyRecord) -> tuple[str, ...]:
-    """A sentence on the limits of finding two effects at once on balls and oblique wires, where tests seldom named
-    both; else empty.
-    """
-    if not record.tables.crosses_askew:
-        return ()
-    said = (
-        "two effects at once, such as a rig that yields and free play, are seldom both named on balls and oblique wires"
-    )
-    return (f"{said}: look for a second one; a fit finds rig and play side by side",)
+    return tuple(notes)
 
 
 def of_laws(causes: Sequence[Cause]) -> tuple[str, ...]:

@@ -58,11 +58,6 @@ class OfTest(Table):
         return extent_of(self.length_mm)
 
     @property
-    def crosses_askew(self) -> bool:
-        """True if the bodies touch at a point and their axes do not cross at a right angle."""
-        return False
-
-    @property
     def depth_noise_um(self) -> float:
         """Stated error in µm of one depth of a worn surface; 0 if unstated."""
         return 0.0

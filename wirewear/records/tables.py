@@ -210,11 +210,6 @@ class PointTest(OfTest):
     def bodies_of_test(self) -> tuple[Body, Body]:
         """The driven body, which lies below, and the held one."""
 
-    @property
-    def crosses_askew(self) -> bool:
-        driven, held = self.bodies_of_test
-        return abs(driven.axis_angle_deg - held.axis_angle_deg) % 180.0 != 90.0
-
     def body(self, name: str) -> Body:
         return self.bodies_of_test[self.body_names.index(name)]
 

@@ -24,7 +24,6 @@ from wirewear.base.writing import finite, json_text, write_text, writing
 from wirewear.diagnosis.answer import program
 from wirewear.diagnosis.infer.shrink import Shrink
 from wirewear.diagnosis.infer.where import Place, places
-from wirewear.diagnosis.notes import of_pairs
 from wirewear.diagnosis.observe import ObservedBranch, ReducedLoop
 from wirewear.diagnosis.observe.reduction import row_labels
 from wirewear.diagnosis.observe.scars import FEWEST_POINTS, read_profile
@@ -107,7 +106,6 @@ def page(diagnosed: Diagnosed) -> str:
         "steps": steps(diagnosis),
         "of_scar": bool(drawn["sections"]) and shows_in_scar(diagnosed),
         "next": next_measurement(diagnosis),
-        "pairs": () if diagnosis.verdict == "no_gap" else of_pairs(diagnosed.record),
         "sections": drawn["sections"],
         "data": frame.embedded(drawn),
         "script": frame.script(frame.HERE / "charts.js", TEMPLATE.with_name("diagnosis.js")),

@@ -95,19 +95,15 @@ class _Layer:
         wires, unit = states.layered(), states.radius_um / slip**2
         under = remembered(spread_um, chain.worn_um3, LAYER_MEMORY)
         similarity = states.open_share(chain) * chain.worn_um3 * unit / slip**2
-        # The first moment is that before any wear.
-        heights, before, worn = unit * spread_um, unit * under, similarity
-        found = wires.at(
-            *(
-                np.concatenate([one[:1], own])
-                for one, own in ((heights, before), (heights, heights), (0.0 * worn, worn))
-            )
-        )
-        slope, (stiffness, approach, closed) = found[1:, :-3], found.T[-3:]
+        heights, before, fresh = unit * spread_um, unit * under, unit * spread_um[0]
+        found = wires.at(before, heights, similarity)
+        slope, (stiffness, approach, closed) = found[:, :-3], found.T[-3:]
+        # The table holds for the nominal slip: that of another one is seen against fresh wires of as much slip.
+        since = approach - wires.at(fresh, fresh, np.zeros_like(unit))[:, -2]
         # Sheared by so much more than a spring of the asperities' height over the load as the mean closure is above it.
-        springs = SHEAR_RATIO * chain.rough_um * (closed[1:] - 1.0) / chain.load_N
+        springs = SHEAR_RATIO * chain.rough_um * (closed - 1.0) / chain.load_N
         theta = (slip / states.radius_um)[:, None] * (slope @ _odd_hats(slope.shape[1]))
-        return cls(theta, stiffness[1:], springs, (approach[1:] - approach[0]) / unit, under)
+        return cls(theta, stiffness, springs, since / unit, under)
 
     @classmethod
     def of_all(cls, states: WearStates, chains: Sequence[Chain], slip: Array) -> _Layer | None:
