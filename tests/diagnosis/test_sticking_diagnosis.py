@@ -185,11 +185,12 @@ def read_loops(course: PredictedLoops, amplitude_um: float) -> AnyRecord:
     random, phase = np.random.default_rng(1), 2.0 * np.pi * np.arange(300) / 300
     place, rises = amplitude_um * np.sin(phase), np.cos(phase) > 0.0
     loops = []
-    for repeat, (cycle, x, q) in product(
-        (1, 2), zip(CYCLES, course.displacement_um, course.tangential_force_N, strict=True)
-    ):
-        force = np.where(rises, np.interp(place, x[0], q[0]), np.interp(-place, -x[1], q[1]))
-        noise, load = random.standard_normal((2, 300)), np.full(300, LOAD_N)
+    channels = zip(CYCLES, course.displacement_um, course.tangential_force_N, course.normal_force_N, strict=True)
+    for repeat, (cycle, x, *forces) in product((1, 2), channels):
+        force, load = (
+            np.where(rises, np.interp(place, x[0], own[0]), np.interp(-place, -x[1], own[1])) for own in forces
+        )
+        noise = random.standard_normal((2, 300))
         loops.append(
             MeasuredLoop(repeat, int(cycle), phase / 62.83, place + 0.01 * noise[0], force + 0.1 * noise[1], load)
         )
@@ -207,6 +208,15 @@ def test_loops_that_stick_show_another_friction_at_the_ends_of_their_stroke() ->
     assert found.best.log_evidence > found.none.log_evidence + 8.0
     (candidate,) = found.best.candidates
     assert candidate.values(found.best.coordinates)["friction"] == pytest.approx(0.5, rel=0.04)
+
+
+def test_normal_forces_of_loops_that_stick_are_computed_over_the_part_of_the_stroke_where_they_are_measured() -> None:
+    crossed = with_effect(circumstances(2.0, compliance_um_per_N=0.05), "force_crosstalk", {"coefficient": 0.08})
+    observed = reduce(read_loops(simulate(ball(), crossed, CYCLES), 2.0))
+    of_load = observed.layout.marked(part for part in observed.layout if part.observable.name == "normal_direction")
+    measured, computed = observed.values[:, of_load], observed.layout.computed(ball(), crossed)[0][of_load]
+    assert computed.min() > 1.0
+    assert measured == pytest.approx(np.broadcast_to(computed, measured.shape), abs=0.05)
 
 
 def ball_record(folder: Path, conditions: dict[str, Any], *effects: dict[str, Any]) -> AnyRecord:

@@ -69,11 +69,13 @@ class _OfNormalForce(OfLoops):
 
 
 def _loads_of(predicted: PredictedLoops) -> Array:
-    """Mean normal forces (n, 2) of both branches while sliding or, where the load varies, over the displacement."""
-    p = predicted.normal_force_N
+    """Mean normal forces (n, 2) of both branches while sliding; over the later half of the displacement where none
+    slides, over all of it where the load varies.
+    """
+    x, p = predicted.displacement_um, predicted.normal_force_N
     if load_varies(p):
-        return np.asarray(mean_load(predicted.displacement_um, p))
-    return np.asarray(p[:, :, SLIDING:].mean(axis=2))
+        return mean_load(x, p)
+    return np.where(predicted.slip_um[:, None] == 0.0, mean_load(x, p, late=True), p[:, :, SLIDING:].mean(axis=2))
 
 
 class NormalForce(_OfNormalForce):

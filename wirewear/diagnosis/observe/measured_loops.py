@@ -185,8 +185,10 @@ def reduced_loop(measured: MeasuredLoop, stated: Noise, normal_load_N: float) ->
     noise_q = max(noise, LEAST_NOISE * mid)
     error = clean.amplitude_noise_um * correlated * stretch if clean.smoothed else noise_x
     means, normal_error = _normal(normal, normal_noise, stretch)
-    if means is not None and any(load_varies(branch.normal_N) for branch in branches):
-        one, other = (mean_load(own.displacement_um, own.normal_N) for own in branches if own.normal_N is not None)
+    varies = any(load_varies(branch.normal_N) for branch in branches)
+    if means is not None and (varies or sticks):
+        loads = [(own.displacement_um, own.normal_N) for own in branches if own.normal_N is not None]
+        one, other = (mean_load(*own, late=not varies) for own in loads)
         means = float(one), float(other)
     return ReducedLoop(
         repeat=loop.repeat,
@@ -255,10 +257,13 @@ def load_varies(load_N: Array | None) -> bool:
     return load_N is not None and bool((np.ptp(load_N, axis=-1) > 2.0 * VARIES * load_N.mean(axis=-1)).any())
 
 
-def mean_load(displacement_um: Array, load_N: Array) -> Array:
-    """Mean normal force (...) over the displacement of branches (..., n) whose load varies, wherever they slide."""
-    whole = displacement_um[..., -1] - displacement_um[..., 0]
-    return np.asarray(np.trapezoid(load_N, displacement_um, axis=-1) / whole)
+def mean_load(displacement_um: Array, load_N: Array, *, late: bool = False) -> Array:
+    """Mean normal force (...) over the displacement of branches (..., n), wherever they slide; late: over its later
+    half.
+    """
+    share = displacement_um - displacement_um[..., :1]
+    share = share / share[..., -1:]
+    return np.asarray(np.trapezoid(load_N, np.maximum(2.0 * share - 1.0, 0.0) if late else share, axis=-1))
 
 
 def _normal(sliding: list[Array], noise_N: float | None, stretch: float) -> tuple[tuple[float, float] | None, float]:
