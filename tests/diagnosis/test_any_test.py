@@ -31,13 +31,13 @@ LINE: dict[str, Any] = {
     "log": {"loop_cycles": [1, 210, 300, 390, 610, 1000, 1010, 1500, 2000]},
 }  # fmt: skip
 OPENS = [[0.0, 1.0], [0.3, 1.0], [0.4, 0.0], [0.6, 0.0], [0.7, 1.0], [1.0, 1.0]]
-#: Keys that a test has beside those of `LINE`, and which block of it is looked at.
+BLOCKS = {"programme": [{"cycles": 200}, {"cycles": 200, "conditions": {"displacement_amplitude_um": 18.0}}]}
+#: Keys that a test has beside those of `LINE`, and which block of it is looked at, None for all.
 TESTS: dict[str, tuple[dict[str, Any], int | None]] = {
     "load that opens the contact": ({"conditions.load_cycle": {"points": OPENS}}, None),
     "load that varies in the cycle": ({"conditions.load_cycle": {"amplitude_share": 0.4, "lag_deg": 60.0}}, None),
-    "block of a shorter stroke": (
-        {"programme": [{"cycles": 200}, {"cycles": 200, "conditions": {"displacement_amplitude_um": 18.0}}]}, 2,
-    ),
+    "block of a shorter stroke": (BLOCKS, 2),
+    "blocks of two strokes": (BLOCKS, None),
     "wear that begins late": ({"wear.law": {"name": "energy-threshold", "threshold_mJ_per_mm2": 200.0}}, None),
     "layer of lower friction": ({"specimen.layers": [{"thickness_um": 0.5, "friction": 0.3}]}, None),
 }  # fmt: skip
@@ -116,7 +116,8 @@ def test_any_test_has_no_gap_as_stated_and_its_friction_is_found(test: str, tmp_
         study = study_from_tables(with_keys(keys, *effects), "s")
         (run,) = run_study(study, fidelity="quick", output=tmp_path / str(len(effects)))
         made = record_of_result(run, sensor=Sensor(noise=noise), repeats=2, seed=5, samples=300, depth_noise_um=0.05)
-        found = diagnose(made.of_block(block)).diagnosis
+        found = diagnose(made if block is None else made.of_block(block)).diagnosis
+        assert ("block 2 of the programme is taken in" in found.notes) is (test == "blocks of two strokes")
         if not effects:
             assert found.verdict == "no_gap"
             continue

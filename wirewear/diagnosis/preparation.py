@@ -119,14 +119,15 @@ def prepared(
     """A record with the study that it states, or with `model`, and after it further records of the same rig with their
     own.
 
-    Of a programme, each is of the block with the longest stroke, unless it is of one block already. Raises RecordError
-    if a record states too little; if the model is of another test or kind of contact; if a further record is of another
-    kind of contact, or holds the first one's own loops.
+    Of a programme, the block with the longest stroke comes first and its other blocks follow as further records do,
+    unless a record is of one block already. Raises RecordError if a record states too little; if the model is of
+    another test or kind of contact; if a further record is of another kind of contact, or holds the first one's own
+    loops.
     """
-    record, further = record.of_block(), [other.of_block() for other in further]
-    first = _prepared(record, model)
-    _require_of_one_rig(record, further)
-    return first, *(_prepared(other, None) for other in further)
+    own, others = record.blocks(), [one for other in further for one in other.blocks()]
+    first = _prepared(own[0], model)
+    _require_of_one_rig(own[0], others)
+    return first, *(_prepared(one, model) for one in own[1:]), *(_prepared(one, None) for one in others)
 
 
 def _prepared(record: AnyRecord, model: AnyStudy | None) -> PreparedRecord:

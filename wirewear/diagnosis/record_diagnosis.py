@@ -257,6 +257,8 @@ def _stated(
     best, considered, weighed = weighing.best, weighing.considered, checked.weighed
     fits, verdict = (*found.singles, *found.pairs), weighed.verdict
     zero = force_zero(found.problem, found.covariance, best, len(observed.repeats))
+    blocks = [other.block for other in further if other.block is not None and other.name == record.name]
+    others = tuple(dict.fromkeys(other.name for other in further if other.name != record.name or other.block is None))
 
     dispersion = max(found.remainder.misfit, 1.0)
     behind, causes = (causes_of(fits, one, dispersion) for one in (considered, weighed))
@@ -293,9 +295,10 @@ def _stated(
         equivalent=equivalent,
         undetectable=unseen(found, weighing.own),
         next_measurement=asked,
-        updated_by=tuple(other.name for other in further),
+        updated_by=others,
         notes=(
-            *(f"the further record {other.name!r} is taken in" for other in further),
+            *(f"the further record {name!r} is taken in" for name in others),
+            *(f"block {block} of the programme is taken in" for block in blocks),
             *of_zero(zero),
             *of_scatter(found.covariance.contradicted),
             *of_laws(causes_of_fit(best, 1.0, dispersion)),

@@ -285,7 +285,7 @@ class ExperimentRecord(Generic[Tables, Surface]):
         own: Any = next(one.study for one in schedule.stretches if one.block == chosen)
         spent = _energies_mJ(self.evolution, schedule)
         worked = worked_course(schedule.stretches, lambda one: spent[one.block] / spent[chosen])
-        note = f"of the programme, block {chosen} is looked at; the others enter by what they wear"
+        note = f"of block {chosen} of the programme: the others enter by what they wear"
         shapes = strokes[chosen] == max(strokes.values())
         note += "" if shapes else ", and scars of their longer strokes are left out"
         return replace(
@@ -299,6 +299,17 @@ class ExperimentRecord(Generic[Tables, Surface]):
             worked=worked,
             within_longer_strokes=not shapes,
         )
+
+    def blocks(self) -> "tuple[ExperimentRecord[Tables, Surface], ...]":
+        """What was measured under each block of the record's programme: first as `of_block` gives it, then the other
+        blocks that have loops, without scars. Alone for a record without a programme, or of one block already.
+        """
+        first = self.of_block()
+        if first is self:
+            return (self,)
+        schedule = _schedule(self.tables)
+        others = {schedule.at(loop.cycle).block for loop in self.loops} - {first.block}
+        return first, *(replace(self.of_block(number), scars=()) for number in sorted(others))
 
     def working_cycles(self, cycles: Array) -> Array:
         """Numbers (n,) of the chosen block's cycles that dissipate as much energy as the test's first `cycles` (n,)."""

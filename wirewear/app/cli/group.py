@@ -298,7 +298,9 @@ paper = click.option(
 
 #: An option of commands that look at the loops of one block of a record's programme.
 of_block = click.option(
-    "--block", type=click.IntRange(1), help="Of a programme, whose loops are looked at.  [default: the longest stroke]"
+    "--block",
+    type=click.IntRange(1),
+    help="Of a programme, whose loops are looked at.  [default: the longest stroke; diagnose: all]",
 )
 
 

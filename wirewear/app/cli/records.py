@@ -66,7 +66,8 @@ def diagnose_command(
 
     study = None if model is None else load_any_study(model)
     with busy("reading the record"):
-        record = read_record(record_path).of_block(block)
+        record = read_record(record_path)
+        record = record if block is None else record.of_block(block)
         # Before a folder is made that nothing would come into.
         records = prepared(record, study, [read_record(path) for path in further])
     if records[0].assumed:
