@@ -15,11 +15,13 @@ from geometry.arrays import Array
 from tests.diagnosis.diagnosis_cases import diagnosed, nominal, record, states
 from wirewear import RecordError
 from wirewear.base.cache import code_hash
+from wirewear.diagnosis import record_diagnosis
 from wirewear.diagnosis.answer import Diagnosis
 from wirewear.diagnosis.calibration import digest
 from wirewear.diagnosis.infer.inference import Fit, Problem
 from wirewear.diagnosis.infer.left_open import LEVEL, plausible
 from wirewear.diagnosis.infer.search import Search, Updated, search, updated
+from wirewear.diagnosis.infer.shrink import shrink_of
 from wirewear.diagnosis.infer.weighing import SCALE, Remainder, Weighed, remainder_of
 from wirewear.diagnosis.observe.reduction import reduce
 from wirewear.diagnosis.preparation import prepared
@@ -131,10 +133,11 @@ def found() -> Diagnosed:
     return diagnosed(record({"free_play": {"gap_um": PLAY_um}}, scatter=0.2))
 
 
-def tolerant(displacement: float) -> Diagnosis:
+def tolerant(displacement: float, search: Search | None = None) -> Diagnosis:
     one = found()
     tables = one.record.tables.model_copy(update={"tolerance": Tolerance(displacement=displacement)})
-    return judged(replace(one.record, tables=tables), one.study, one.states, one.observed, one.search).diagnosis
+    record = replace(one.record, tables=tables)
+    return judged(record, one.study, one.states, one.observed, search or one.search).diagnosis
 
 
 @pytest.mark.seconds
@@ -157,6 +160,26 @@ def test_the_same_difference_beyond_a_finer_tolerance_has_its_cause() -> None:
     assert answer.verdict == "explained"
     assert answer.causes[0].effect == "free_play"
     assert answer.to_json()["relevance"]["relevant"] is True
+
+
+@pytest.mark.seconds
+@pytest.mark.parametrize(("instead", "verdict"), [(True, "unexplained"), (False, "explained")])
+def test_an_unknown_cause_acts_instead_of_what_leaves_little_not_beside_it(instead: bool, verdict: str) -> None:
+    search = found().search
+    beside = search.none if instead else search.best
+    gain = search.best.log_evidence - beside.log_evidence + 60.0
+    distortion = replace(next(one for one in search.distortions if one.family.counts), beside=beside, gain=gain)
+    assert tolerant(0.001, replace(search, distortions=(distortion,))).verdict == verdict
+
+
+@pytest.mark.seconds
+@pytest.mark.parametrize(("p_value", "verdict"), [(0.5, "no_gap"), (1e-6, "unexplained")])
+def test_a_cause_not_borne_out_leaves_no_gap_only_where_chance_would(
+    p_value: float, verdict: str, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.setattr(record_diagnosis, "shrink_of", lambda *given: replace(shrink_of(*given), borne_out=False))
+    monkeypatch.setattr(record_diagnosis, "remainder_of", lambda *_: remainder(p_value))
+    assert tolerant(0.002).verdict == verdict
 
 
 @pytest.mark.seconds

@@ -17,12 +17,13 @@ from wirewear.diagnosis.infer.search import Search, search, updated
 from wirewear.diagnosis.infer.shrink import Shrink, shrink_of
 from wirewear.diagnosis.infer.weighing import (
     LEAST_DISPERSION,
+    NOTICEABLE,
     Weighed,
     classes_of,
     force_zero,
-    gains_of,
     leading_fit,
     relevant,
+    remainder_of,
     weigh,
 )
 from wirewear.diagnosis.infer.where import (
@@ -142,7 +143,10 @@ def judged(
     checked = _checked(found, gap, weighing, states, observed)
     # Further records are not left out: they speak for what this one hardly shows.
     if not (checked.shrink.borne_out or further):
-        weighing = _judged_by(found, gap, weighing.considered.withdrawn(weighing.best.names))
+        considered, names = weighing.considered, weighing.best.names
+        # What chance does not leave is a gap, be its cause none that is known.
+        chance = remainder_of(found.problem, found.none).log_surprise < NOTICEABLE
+        weighing = _judged_by(found, gap, considered.withdrawn(names) if chance else considered.refuted(names))
         checked = _checked(found, gap, weighing, states, observed)
     diagnosis = _stated(found, gap, weighing, checked, record, study, observed, further)
     return Diagnosed(diagnosis, record, study, states, found.problem.setup, observed, found, checked.weighed)
@@ -150,23 +154,25 @@ def judged(
 
 @dataclass(frozen=True, eq=False)
 class _Gap:
-    """Where record and nominal model differ, and where they do under the best explanation. leaves: True if what that
-    leaves matters. tolerance: relative differences that count as equal, by the names of `[tolerance]`.
+    """Where record and nominal model differ. left: where they do under each of the likeliest explanations, by its
+    effects' names. tolerance: relative differences that count as equal, by the names of `[tolerance]`.
     """
 
     places: list[Place]
-    left_over: list[Place]
-    leaves: bool
+    left: Mapping[tuple[str, ...], list[Place]]
     tolerance: Mapping[str, float]
+
+    def leaves(self, names: tuple[str, ...]) -> bool:
+        """Whether what an explanation leaves matters, as a gap does: if not, it hints at no other cause beside it."""
+        return relevance_of(self.left[names], self.tolerance, detected=True).relevant
 
 
 def _located(found: Search, record: AnyRecord) -> _Gap:
     """In which cycles and zones record and predictions differ."""
-    tolerance = record.tables.tolerance.model_dump()
-    left_over = places(found.problem, found.covariance, found.best.setup)
-    # What an explanation leaves is judged as a gap is: what does not matter hints at no other cause.
-    leaves = relevance_of(left_over, tolerance, detected=True).relevant
-    return _Gap(places(found.problem, found.covariance, found.problem.setup), left_over, leaves, tolerance)
+    fits = {one.names: one for one in (*(distortion.beside for distortion in found.distortions), found.best)}
+    left = {names: places(found.problem, found.covariance, one.setup) for names, one in fits.items()}
+    nominal = places(found.problem, found.covariance, found.problem.setup)
+    return _Gap(nominal, left, record.tables.tolerance.model_dump())
 
 
 @dataclass(frozen=True, eq=False)
@@ -191,7 +197,9 @@ def _weighed(found: Search, gap: _Gap) -> _Weighing:
     """The causes weighed by all cycles."""
     near = [*relevant(found.singles), *found.pairs]
     classes = classes_of(near, found.apart(near))
-    surprise, gains = (found.remainder.log_surprise, gains_of(found.distortions)) if gap.leaves else (0.0, {})
+    counted = [one for one in found.distortions if one.family.counts and gap.leaves(one.beside.names)]
+    gains = {one.beside.names: [own.gain for own in counted if own.beside is one.beside] for one in counted}
+    surprise = found.remainder.log_surprise if gap.leaves(found.best.names) else 0.0
     misfit = max(found.remainder.misfit, LEAST_DISPERSION)
     return _judged_by(found, gap, weigh(found.none, found.singles, found.pairs, classes, misfit, surprise, gains))
 
@@ -239,7 +247,7 @@ def _checked(found: Search, gap: _Gap, weighing: _Weighing, states: WearStates, 
         weighed = weighed.refuted(best.names)
     elif best.names and left <= MOST_LEFT and shrink.leaves_little(MOST_LEFT):
         weighed, alone = weighed.with_remainder(best.names), weighed
-        remains = weighed.outside < alone.outside and gap.leaves and left > LEAST_LEFT
+        remains = weighed.outside < alone.outside and gap.leaves(found.best.names) and left > LEAST_LEFT
     return _Checked(weighed, shrink, physical, wrong, left, remains)
 
 
@@ -262,7 +270,7 @@ def _stated(
 
     dispersion = max(found.remainder.misfit, 1.0)
     behind, causes = (causes_of(fits, one, dispersion) for one in (considered, weighed))
-    partial = partial_of(found, weighed, dispersion, gap.left_over) if verdict == "unexplained" else None
+    partial = partial_of(found, weighed, dispersion, gap.left[found.best.names]) if verdict == "unexplained" else None
     resembles: tuple[Resemblance, ...] = ()
     if verdict == "unexplained":
         resembles = resemblances(found.problem, found.distortions, found.best.log_evidence)
@@ -278,7 +286,7 @@ def _stated(
     finding, relevance, shrink = weighing.finding, weighing.relevance, checked.shrink
     # Where an unknown cause is likelier than the explanation, its numbers are those of an imitation.
     holds = checked.remains and verdict != "unexplained"
-    remainder = remaining(checked.left, findings(gap.left_over)) if holds else None
+    remainder = remaining(checked.left, findings(gap.left[found.best.names])) if holds else None
     alike = found.imitated(best) if best.names and verdict in ("explained", "ambiguous") else ()
     return Diagnosis(
         record=record.name,

@@ -40,6 +40,7 @@ PRESENT = _KNOWN.number("present")
 
 _ONE_END = "debris piled up at one end, or more wear there", CLEANED_SCARS.what
 _AIR = "humidity logged beside the loops"
+_BLOCKS = "gauge blocks or a second sensor over the whole stroke"
 
 #: What no effect of the library is and would act as a family, and the measurement that tells, by the family's name.
 MADE_BY = {
@@ -47,7 +48,9 @@ MADE_BY = {
         ("a load cell that bends or saturates", "weights hung on the load cell"),
     "distortion of the force channel, even in Q": _ONE_END,
     "distortion of the displacement channel, odd in the displacement":
-        ("a displacement sensor that is not linear", "gauge blocks or a second sensor over the whole stroke"),
+        ("a displacement sensor that is not linear", _BLOCKS),
+    "displacement channel that comes after the motion by a play":
+        ("a gauge that hangs loose, or a scale with uneven lines", _BLOCKS),
     "gain of the displacement channel that changes over the test": ("a sensor that warms", ENCODER.what),
     "zero of the force channel that changes over the test": _ONE_END,
     "holder that slips, with hysteresis": ("a clamp that slips a little in every cycle", SECOND_HEIGHT.what),

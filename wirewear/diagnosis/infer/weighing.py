@@ -22,7 +22,6 @@ from scipy.special import chdtrc
 from geometry.arrays import Array
 from wirewear.diagnosis.calibration import constants
 from wirewear.diagnosis.infer.covariance import SHARED, Covariance, derivatives
-from wirewear.diagnosis.infer.distortions import Distortion
 from wirewear.diagnosis.infer.inference import SEPARATION_ITERATIONS, Fit, Problem, sought, together
 from wirewear.diagnosis.observe.reduction import Part
 
@@ -210,17 +209,6 @@ def classes_of(fits: Sequence[Fit], matrix: Array) -> tuple[tuple[str, ...], ...
     )
 
 
-def gains_of(found: Sequence[Distortion]) -> dict[tuple[str, ...], list[float]]:
-    """Log evidence that families of distortions add, as a list for each explanation, by its effects' names. Families
-    with `counts` False are left out.
-    """
-    gains: dict[tuple[str, ...], list[float]] = {}
-    for one in found:
-        if one.family.counts:
-            gains.setdefault(one.beside.names, []).append(one.gain)
-    return gains
-
-
 def weigh(
     none: Fit,
     singles: Sequence[Fit],
@@ -235,8 +223,9 @@ def weigh(
     none, singles, joint: fits without effects, of single effects and of pairs. dispersion: misfit of the best, by which
     log evidences are divided beside `TEMPERATURE`: it estimates by how much all variances are larger or smaller than
     expected, as in a quasi-likelihood (McCullagh and Nelder, Generalized Linear Models, 1989, section 9.2).
-    log_surprise: log Bayes factor by which the best explanation leaves more than chance would; 0 for none. gains: see
-    `gains_of`; a cause outside the library counts by what they exceed `NOTICEABLE`.
+    log_surprise: log Bayes factor by which the best explanation leaves more than chance would; 0 for none. gains: log
+    evidence that each family of distortions adds to an explanation, by its effects' names; a cause outside the library
+    counts by what they exceed `NOTICEABLE`.
     """
     temperature = TEMPERATURE * dispersion
     explained = 1.0 - PRIOR_NONE - PRIOR_OUTSIDE
