@@ -10,9 +10,9 @@ from dataclasses import dataclass, field, replace
 import numpy as np
 
 from geometry.arrays import Array, BoolArray
+from solvers.contact_extent import Footprint
 from solvers.drive import Drive
 from solvers.errors import SolverError
-from solvers.extent import Footprint
 
 
 @dataclass(frozen=True)

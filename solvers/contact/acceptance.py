@@ -18,10 +18,10 @@ from geometry.arrays import Array, IntArray
 from solvers.contact.linearising import law_at, layers_between, normal_of
 from solvers.contact.problem import ContactProblem, facing_offset, levers
 from solvers.contact_conditions import ContactOutcome, Linearisation
+from solvers.contact_extent import Footprint
 from solvers.contact_state import ContactState, IncrementReport, WearState
 from solvers.elasticity.pairing import Pairing
 from solvers.errors import PatchLeftError
-from solvers.extent import Footprint
 from solvers.jit_cache import compiled
 from solvers.laws.friction_law import Friction
 from solvers.laws.layers import LayersAtNodes

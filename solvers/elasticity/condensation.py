@@ -16,8 +16,8 @@ from threadpoolctl import threadpool_limits
 from geometry import ContactPatch, Elastic, HexMesh, QuadMesh, mirror_images
 from geometry.arrays import Array, BoolArray, IntArray
 from solvers.elasticity.elimination import inverse, schur_complements
+from solvers.elasticity.linear_elasticity import stiffness_matrix
 from solvers.elasticity.patch_compliance import Bricks, PatchCompliance
-from solvers.elasticity.strain import stiffness_matrix
 from solvers.errors import SolverError
 
 

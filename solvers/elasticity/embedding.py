@@ -17,7 +17,7 @@ from geometry.elements import BRICK, ElementKind
 from geometry.solid import Host, SolidMesh
 from solvers.elasticity.condensation import CondensedBody, condense
 from solvers.elasticity.elimination import inverse, schur_complements
-from solvers.elasticity.strain import stiffness_matrix
+from solvers.elasticity.linear_elasticity import stiffness_matrix
 from solvers.errors import SolverError
 
 _CHUNK = 4_000_000  #: Numbers of elements' matrices that are worked out together.

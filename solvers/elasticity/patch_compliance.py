@@ -25,7 +25,7 @@ import numpy as np
 from geometry import Elastic, HexMesh
 from geometry.arrays import Array, ComplexArray, IntArray
 from geometry.elements import BRICK
-from solvers.elasticity.strain import integration_points
+from solvers.elasticity.linear_elasticity import integration_points
 from solvers.jit_cache import compiled
 
 Pair = tuple[float, float]

@@ -10,7 +10,7 @@ from scipy.sparse import csr_matrix
 
 from geometry import Elastic, PlanarMesh
 from geometry.arrays import Array, IntArray
-from solvers.elasticity.strain import stiffness_matrix
+from solvers.elasticity.linear_elasticity import stiffness_matrix
 from solvers.errors import SolverError
 
 

@@ -23,7 +23,7 @@ from geometry.arrays import Array, BoolArray, IntArray
 from solvers.elasticity import condensation
 from solvers.elasticity.elimination import unknowns_of
 from solvers.elasticity.embedding import Joined
-from solvers.elasticity.strain import TENSOR_PLACES, Projection, solved_for_mass, stiffness_matrix
+from solvers.elasticity.linear_elasticity import TENSOR_PLACES, Projection, solved_for_mass, stiffness_matrix
 from solvers.stress.factors import Factor, Far, factorised
 
 #: A contact is solved less exactly: forces of a symmetry below this share of the largest are none, and states whose

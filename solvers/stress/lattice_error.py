@@ -19,7 +19,7 @@ from numpy.typing import NDArray
 from geometry import Elastic, HexMesh
 from geometry.arrays import Array
 from geometry.elements import BRICK
-from solvers.elasticity.strain import TENSOR_PLACES, IntegrationPoints, integration_points
+from solvers.elasticity.linear_elasticity import TENSOR_PLACES, IntegrationPoints, integration_points
 
 ComplexArray = NDArray[np.complexfloating]
 

@@ -12,7 +12,7 @@ import numpy as np
 
 from geometry import ContactPatch, Elastic, PlanarMesh, QuadMesh
 from geometry.arrays import Array, BoolArray
-from solvers.elasticity.strain import components, tensors
+from solvers.elasticity.linear_elasticity import components, tensors
 from solvers.jit_cache import compiled
 from solvers.stress.lattice_error import line_lattice_error
 from solvers.stress.subgrid_traction import SubgridTraction, bicubic

@@ -22,7 +22,7 @@ from scipy.ndimage import distance_transform_edt
 
 from geometry import BodyMesh, ContactPatch, Elastic, HexMesh
 from geometry.arrays import Array, BoolArray, IntArray
-from solvers.elasticity.strain import components, tensors
+from solvers.elasticity.linear_elasticity import components, tensors
 from solvers.stress.lattice_error import ComplexArray, lattice_error
 from solvers.stress.nearby_tractions import half_space_stress
 from solvers.stress.subgrid_traction import SubgridTraction

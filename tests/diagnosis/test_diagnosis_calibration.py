@@ -19,7 +19,7 @@ from wirewear.effects.holder import FreePlay, RotationalCompliance
 FOLDER = Path(wirewear.diagnosis.__file__).parent
 #: Modules whose numbers are resolutions of the surrogate, or of effects; and colours. Those of `fit/` decide no answer.
 ELSEWHERE = {
-    "forward.py", "control.py", "sensing.py", "line_wear.py", "layered_wires.py", "worn_wires.py", "candidates.py",
+    "forward.py", "control.py", "sensed_loops.py", "line_wear.py", "layered_wires.py", "worn_wires.py", "candidates.py",
     "diagnosis_page.py",
 }  # fmt: skip
 

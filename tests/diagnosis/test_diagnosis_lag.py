@@ -23,7 +23,7 @@ from wirewear.diagnosis.observe.reduction import reduce
 from wirewear.diagnosis.record_diagnosis import Diagnosed
 from wirewear.diagnosis.surrogate.forward import simulate
 from wirewear.diagnosis.surrogate.loop_states import SINE, FastMotion
-from wirewear.diagnosis.surrogate.sensing import late_forces, late_places
+from wirewear.diagnosis.surrogate.sensed_loops import late_forces, late_places
 from wirewear.effects.holder import TangentialCompliance
 from wirewear.loops import LoopSignals, Sensor, SensorNoise
 from wirewear.records import ExperimentRecord, MeasuredLoop, record_of_result, write_record

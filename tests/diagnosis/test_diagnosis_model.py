@@ -28,7 +28,7 @@ from wirewear.diagnosis.surrogate.candidates import library
 from wirewear.diagnosis.surrogate.forward import simulate
 from wirewear.diagnosis.surrogate.inputs import SurrogateInputs
 from wirewear.diagnosis.surrogate.loop_states import FULL_SLIP
-from wirewear.diagnosis.surrogate.sensing import KNEE, MIDDLE
+from wirewear.diagnosis.surrogate.sensed_loops import KNEE, MIDDLE
 from wirewear.diagnosis.wording import _one, explanations, sentence_of, share
 from wirewear.effects import Chain
 from wirewear.effects.contact import RoughnessCompliance, ThirdBodyLayer

@@ -25,7 +25,7 @@ from geometry import (
 )
 from geometry.sections import wire_section
 from solvers.elasticity.condensation import condense
-from solvers.elasticity.strain import stiffness_matrix
+from solvers.elasticity.linear_elasticity import stiffness_matrix
 from tests.bodies import STEEL, RADIUS_mm, brick, wire
 
 FINE_mm = 0.010

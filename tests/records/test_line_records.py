@@ -16,7 +16,7 @@ from wirewear.base.errors import RecordError
 from wirewear.comparison.comparison import compare
 from wirewear.kinds import contacts_of
 from wirewear.loops.sensor import Sensor, SensorNoise
-from wirewear.pictures.lines import line_variants
+from wirewear.pictures.line_contacts import line_variants
 from wirewear.records import LineRecord, MeasuredProfile, check_record, read_record, record_of_result, write_record
 from wirewear.records.remarks import Remark
 from wirewear.records.values import stated_study

@@ -9,7 +9,7 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from geometry.arrays import Array
-from solvers.elasticity.strain import von_mises
+from solvers.elasticity.linear_elasticity import von_mises
 from wirewear import reference
 from wirewear.reference.wear import LineScar
 

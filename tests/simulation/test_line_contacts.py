@@ -11,8 +11,8 @@ import pytest
 import geometry
 import solvers
 from geometry import Cylinder, TabledProfile
+from solvers.elasticity.linear_elasticity import stiffness_matrix
 from solvers.elasticity.pairing import pair, primary_surface
-from solvers.elasticity.strain import stiffness_matrix
 from tests.simulation.coarse_runs import Killer
 from tests.studies import line_study, require_equal_runs
 from wirewear import reference
@@ -24,7 +24,7 @@ from wirewear.simulation import run_study, simulate
 from wirewear.simulation.convergence import LINES, converge, convergence_table
 from wirewear.simulation.line_model import farthest_contact, line_plan
 from wirewear.simulation.store import CHECKPOINT_FILE_NAME
-from wirewear.stress.lines import INSIDE_LINES
+from wirewear.stress.line_contacts import INSIDE_LINES
 from wirewear.stress.strength import material_points
 from wirewear.test import LineStudy
 from wirewear.verification.line_contact import (

@@ -22,7 +22,7 @@ from wirewear.results.hdf5 import write_result
 from wirewear.simulation import simulate
 from wirewear.simulation.line_model import bodies, line_plan, line_problem
 from wirewear.stress.bodies import body_states
-from wirewear.stress.lines import INSIDE_LINES
+from wirewear.stress.line_contacts import INSIDE_LINES
 from wirewear.test import LineStudy, study_from_tables
 from wirewear.verification import QUICK
 from wirewear.verification.line_contact import bulk_rows

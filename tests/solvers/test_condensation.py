@@ -18,7 +18,7 @@ from geometry import Elastic, Flat, GradedAxis, HexMesh, PlanarGeometry, QuadMes
 from geometry.arrays import Array, IntArray
 from solvers import CondensedBody, SolverError, condense, place
 from solvers.elasticity.elimination import _separator, divided, node_graph, schur_complements
-from solvers.elasticity.strain import stiffness_matrix
+from solvers.elasticity.linear_elasticity import stiffness_matrix
 from tests.bodies import STEEL, brick, condensed_wire, patch_on, wire, wire_geometry
 from wirewear.simulation import problem as wires
 

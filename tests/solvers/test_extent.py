@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 
 from geometry import ContactPatch, Flat
-from solvers.extent import extent
+from solvers.contact_extent import extent
 
 
 def patch_of(along: np.ndarray, across: np.ndarray) -> ContactPatch:

@@ -9,8 +9,8 @@ import pytest
 from geometry import Elastic, Flat, GradedAxis, HexMesh, PlanarGeometry, RimGradedAxis, build_planar
 from geometry.arrays import Array
 from solvers import PlacedBody, advance, facing, place, press, unloaded_state
+from solvers.elasticity.linear_elasticity import integration_points
 from solvers.elasticity.patch_compliance import Bricks, half_space_response, missing_displacement, reach
-from solvers.elasticity.strain import integration_points
 from solvers.stress.body_forces import forces_on_bodies
 from solvers.stress.interior import Interior
 from solvers.stress.lattice_error import line_lattice_error

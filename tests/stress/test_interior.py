@@ -11,7 +11,7 @@ from threadpoolctl import threadpool_info, threadpool_limits
 from geometry import BodyMesh, Elastic, Flat, GradedAxis, HexMesh, PlanarGeometry, build_body, build_planar
 from geometry.arrays import Array
 from solvers import condense
-from solvers.elasticity.strain import hydrostatic, integration_points, principal, turned, von_mises
+from solvers.elasticity.linear_elasticity import hydrostatic, integration_points, principal, turned, von_mises
 from solvers.stress.interior import Interior, Shared
 from tests import bodies
 from tests.commands import wirewear
@@ -20,7 +20,7 @@ from wirewear.app.api.run import Run, read_result
 from wirewear.results import write_result
 from wirewear.stress import body_grid, body_states, integration_point_cloud
 from wirewear.stress.bodies import Section, fanned, section
-from wirewear.stress.lines import LineBody
+from wirewear.stress.line_contacts import LineBody
 from wirewear.stress.planes import crossland, smith_watson_topper
 from wirewear.stress.state import averaging
 from wirewear.stress.strength import StrengthAsked, strength_of, stresses_of, yield_sentence

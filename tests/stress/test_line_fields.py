@@ -17,7 +17,7 @@ from wirewear.results import read_result
 from wirewear.simulation import run_study, simulate
 from wirewear.simulation.line_model import line_plan, placed_body
 from wirewear.simulation.line_runs import LineRun
-from wirewear.stress.lines import INSIDE_LINES, state_grid
+from wirewear.stress.line_contacts import INSIDE_LINES, state_grid
 from wirewear.stress.strength import StrengthAsked, strength_of, yield_sentence
 from wirewear.verification.line_contact import largest_tension
 

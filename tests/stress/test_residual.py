@@ -7,7 +7,7 @@ import numpy as np
 import pytest
 
 from geometry.arrays import Array
-from solvers.elasticity.strain import integration_points, von_mises
+from solvers.elasticity.linear_elasticity import integration_points, von_mises
 from solvers.stress.interior import Interior
 from tests.bodies import STEEL, brick, wire
 from tests.simulation.test_yielding_runs import wires

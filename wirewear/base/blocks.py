@@ -40,7 +40,7 @@ _COUNTS = {key: _patterns(key) for key in NUMBER_WORDS}
 def counts_in(labels: Sequence[str], key: str) -> list[int] | None:
     """Number of cycles or of repeats that each label states in words, one for each label; key: "cycle" or "repeat".
 
-    None if a label states no number, or if every number may be read both as thousands and as a fraction: ``"Cycle
+    None if a label states no whole number, or if every number may be read both as thousands and as a fraction: ``"Cycle
     1.000"``.
     """
     found = []

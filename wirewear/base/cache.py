@@ -35,7 +35,7 @@ CONDENSATION_CODE = (
     "geometry", "solvers/errors.py", "solvers/jit_cache.py", "solvers/elasticity/condensation.py",
     "solvers/elasticity/elimination.py",
     "solvers/elasticity/embedding.py",
-    "solvers/elasticity/patch_compliance.py", "solvers/elasticity/strain.py",
+    "solvers/elasticity/patch_compliance.py", "solvers/elasticity/linear_elasticity.py",
 )  # fmt: skip
 
 #: What a run comes from.

@@ -140,7 +140,7 @@ class AlongALine(Contacts):
 
     @property
     def inside(self) -> Inside[Any]:
-        from wirewear.stress.lines import INSIDE_LINES
+        from wirewear.stress.line_contacts import INSIDE_LINES
 
         return INSIDE_LINES
 
@@ -152,7 +152,7 @@ class AlongALine(Contacts):
         return write_line_meshes(study, fidelity, folder)
 
     def write_beside(self, results: Sequence[RunResult], folder: Path) -> None:
-        from wirewear.pictures.lines import line_variants
+        from wirewear.pictures.line_contacts import line_variants
         from wirewear.pictures.style import save
         from wirewear.results.export import write_flat_tables
 
@@ -165,7 +165,7 @@ class AlongALine(Contacts):
             save(lambda: line_variants(results), folder / "variants.png")
 
     def write_fields(self, result: RunResult, folder: Path, **asked: Any) -> list[Path]:
-        from wirewear.stress.lines import write_line_fields
+        from wirewear.stress.line_contacts import write_line_fields
 
         return write_line_fields(result, folder, **asked)
 
@@ -175,7 +175,7 @@ class AlongALine(Contacts):
         return profile_surfaces(result, noise_um, seed)
 
     def drawings(self, results: Sequence[RunResult]) -> Drawings:
-        from wirewear.pictures.lines import line_drawings
+        from wirewear.pictures.line_contacts import line_drawings
 
         return line_drawings(results)
 

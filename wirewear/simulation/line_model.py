@@ -69,10 +69,10 @@ def _face_of(study: LineStudy) -> Face:
     return stated.even if isinstance(stated, TabledProfile) else stated
 
 
-def fresh_contact(
+def fresh_line_contact(
     face: Face, load_N_per_mm: float, modulus_MPa: float, pad_half_width_mm: float
 ) -> tuple[float, reference.LineContact]:
-    """The contact modulus, and the contact before any wear, between half-planes or of a pin in a bore. Raises
+    """(`modulus_MPa` unchanged, the contact before any wear), between half-planes or of a pin in a bore. Raises
     ValueError if the pad is too narrow to carry the load.
     modulus_MPa: contact modulus E*; pad_half_width_mm: half of the pad's width.
     """
@@ -181,7 +181,7 @@ def _planned(study: LineStudy, fidelity: str, sticking: Sequence[bool]) -> LineP
     pad_half = study.pad.half_width_mm or half_width_of(face)
     try:
         modulus, fresh = under_coats(
-            lambda *own: fresh_contact(face, load, reference.contact_modulus(*own), pad_half),
+            lambda *own: fresh_line_contact(face, load, reference.contact_modulus(*own), pad_half),
             (study.specimen.elastic, study.pad.elastic),
             study.tables.coatings,
             lambda found: _AS_WIDE * found[1].half_width_mm,
@@ -209,7 +209,7 @@ def _planned(study: LineStudy, fidelity: str, sticking: Sequence[bool]) -> LineP
     fine = (1e-3 * mesh.contact_mesh_um if mesh.contact_mesh_um is not None else reach / per_contact) / finer
 
     around = sticks and wears and len(sticking) == 1
-    core = core_of_line(study, lambda own: fresh_contact(face, own, modulus, pad_half)[1]) if around else None
+    core = core_of_line(study, lambda own: fresh_line_contact(face, own, modulus, pad_half)[1]) if around else None
 
     def along(half: float, moved: float = 0.0) -> GradedAxis | EdgeGradedAxis:
         if isinstance(face, RoundedFlat) or not wears or sticks:

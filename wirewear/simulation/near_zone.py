@@ -41,7 +41,9 @@ _CYCLES, _STEPS = 20, 16
 
 @dataclass(frozen=True, eq=False)
 class FlowGrid:
-    """Metal on lines x (along the motion) and y in mm of each body, and at depths in mm."""
+    """Metal of both bodies on evenly spaced lines x (along the motion) and y in mm, and at depths in mm, as `rubbed` left
+    it.
+    """
 
     axes_mm: tuple[Array, Array]
     depths_mm: Array

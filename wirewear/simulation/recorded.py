@@ -13,7 +13,7 @@ import numpy as np
 
 from geometry import Arc
 from solvers import ContactProblem, ContactState, CycleTrace, IncrementReport, SolverError, bulk_work, measured_holder
-from solvers.extent import areas, half_widths
+from solvers.contact_extent import areas, half_widths
 from wirewear.base.cache import installed
 from wirewear.base.course import enclosed_energy
 from wirewear.results import (

@@ -18,7 +18,7 @@ from solvers import (
 )
 from solvers.elasticity.condensation import compliance_of, piece_to_condense
 from solvers.elasticity.elimination import schur_complements
-from solvers.elasticity.strain import stiffness_matrix
+from solvers.elasticity.linear_elasticity import stiffness_matrix
 from wirewear.base.errors import ResultError
 from wirewear.base.writing import in_one_step, writing
 from wirewear.results.scar import called
@@ -97,7 +97,7 @@ def write_line_meshes(study: LineStudy, fidelity: str, folder: Path) -> list[Pat
     distorted; ResultError if the files cannot be written.
     """
     from wirewear.pictures import save
-    from wirewear.pictures.lines import line_supports
+    from wirewear.pictures.line_contacts import line_supports
 
     meshes = line_plan(study, fidelity)
     require_affordable_lines(study.name, meshes)

@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING
 from geometry.lazy import loaded_late
 
 if TYPE_CHECKING:
-    from solvers.elasticity.strain import von_mises
+    from solvers.elasticity.linear_elasticity import von_mises
     from wirewear.stress.bodies import BodyState, WornBody, body_grid, body_states, integration_point_cloud, worn_body
 
 __all__ = ["BodyState", "WornBody", "body_grid", "body_states", "integration_point_cloud", "von_mises", "worn_body"]

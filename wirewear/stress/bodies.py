@@ -18,7 +18,7 @@ from matplotlib.tri import Triangulation
 from geometry import BodyGeometry, BodyMesh, Elastic, GeometryError, build_body
 from geometry.arrays import Array, BoolArray, IntArray
 from solvers.elasticity.embedding import Joined
-from solvers.elasticity.strain import hydrostatic, integration_points, principal, turned, von_mises
+from solvers.elasticity.linear_elasticity import hydrostatic, integration_points, principal, turned, von_mises
 from solvers.stress.interior import EmbeddedInterior, Shared
 from solvers.stress.surface_stress import SurfaceStress
 from wirewear.results import ContactForces, RunResult

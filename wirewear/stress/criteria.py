@@ -16,7 +16,7 @@ import rainflow
 
 from geometry import Elastic
 from geometry.arrays import Array, IntArray
-from solvers.elasticity.strain import tensors
+from solvers.elasticity.linear_elasticity import tensors
 from wirewear.stress.planes import critical_planes, crossland, in_plane, normal_stresses, stress_vectors, swt_on_planes
 from wirewear.test.life import CURVE_KEYS, LifeTable
 

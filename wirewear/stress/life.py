@@ -15,7 +15,7 @@ import numpy as np
 
 from geometry.arrays import Array, IntArray
 from geometry.patch import linear_weights
-from solvers.elasticity.strain import interpolation
+from solvers.elasticity.linear_elasticity import interpolation
 from wirewear.base.errors import ResultError, renamed
 from wirewear.results import RunResult
 from wirewear.results.scar import called

@@ -13,7 +13,7 @@ import numpy as np
 
 from geometry import Elastic
 from geometry.arrays import Array
-from solvers.elasticity.strain import tensors
+from solvers.elasticity.linear_elasticity import tensors
 from solvers.jit_cache import compiled
 
 _DIRECTIONS = 240

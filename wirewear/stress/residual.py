@@ -14,8 +14,8 @@ from scipy.ndimage import map_coordinates
 
 from geometry import ContactPatch, Elastic
 from geometry.arrays import Array
+from solvers.elasticity.linear_elasticity import IntegrationPoints, turned
 from solvers.elasticity.placement import rotation_to_world
-from solvers.elasticity.strain import IntegrationPoints, turned
 from solvers.stress.interior import Interior
 from wirewear.results import ContactForces, RunResult
 from wirewear.results.values import YIELD_STRESS, PlasticStrain

@@ -18,8 +18,8 @@ from threadpoolctl import threadpool_limits
 from geometry import BodyMesh, ContactPatch, Elastic, PlanarMesh, QuadMesh
 from geometry.arrays import Array, BoolArray, IntArray
 from solvers.bulk_stress import section_stress
+from solvers.elasticity.linear_elasticity import IntegrationPoints, integration_points, interpolation, scattered
 from solvers.elasticity.placement import rotation_to_world
-from solvers.elasticity.strain import IntegrationPoints, integration_points, interpolation, scattered
 from solvers.stress.coats import SIDE, CoatStress, across_interface
 from solvers.stress.interior import Interior, Shared
 from solvers.stress.line_surface_stress import LineSurfaceStress

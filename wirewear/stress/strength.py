@@ -14,7 +14,7 @@ from scipy.spatial import cKDTree
 
 from geometry import Elastic
 from geometry.arrays import Array, IntArray
-from solvers.elasticity.strain import von_mises
+from solvers.elasticity.linear_elasticity import von_mises
 from solvers.stress.interior import CycleImage, Interior
 from wirewear.base.errors import ResultError
 from wirewear.base.words import counted

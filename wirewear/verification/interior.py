@@ -11,7 +11,7 @@ import numpy as np
 from geometry import BlockGeometry, BodyGeometry, BodyMesh, GradedAxis, Layering, WireGeometry, build_body, build_planar
 from geometry.arrays import Array, IntArray
 from solvers import ContactProblem, ContactState, Holder, advance, condense, press, unloaded_state
-from solvers.elasticity.strain import IntegrationPoints, integration_points, von_mises
+from solvers.elasticity.linear_elasticity import IntegrationPoints, integration_points, von_mises
 from solvers.stress.body_forces import forces_on_bodies
 from solvers.stress.interior import Interior
 from solvers.stress.surface_stress import SurfaceStress

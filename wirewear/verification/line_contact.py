@@ -13,7 +13,7 @@ import solvers
 from geometry import BodyMesh, Cylinder, Elastic, Flat, GradedAxis, PlanarGeometry, PlanarMesh, build_planar
 from geometry.arrays import Array
 from solvers import advance, press, unloaded_state
-from solvers.elasticity.strain import integration_points
+from solvers.elasticity.linear_elasticity import integration_points
 from solvers.stress.body_forces import forces_on_bodies
 from solvers.stress.interior import Interior
 from solvers.stress.line_surface_stress import LineSurfaceStress

@@ -119,9 +119,10 @@ def curve_rows(resolution: int) -> tuple[Row, ...]:
 def pressed_beyond(
     beyond: float, radius_mm: float, modulus_MPa: float, stress_MPa: float, resolution: int
 ) -> tuple[float, Indentation]:
-    """(load in N, `beyond` times that of first yield; indentation) of a perfectly plastic body under a hard sphere.
+    """(load in N, `beyond` times that of first yield; indentation) of a perfectly plastic body under a hard sphere, by the
+    half-space solver.
 
-    modulus_MPa: contact modulus E*. stress_MPa: yield stress.
+    modulus_MPa: contact modulus E*. stress_MPa: yield stress. resolution: points per contact radius.
     """
     load = beyond * pi**3 * radius_mm**2 * (RATIO * stress_MPa) ** 3 / (6.0 * modulus_MPa**2)
     contact = (0.75 * load * radius_mm / modulus_MPa) ** (1.0 / 3.0) * beyond**0.08

@@ -29,7 +29,7 @@ from wirewear.diagnosis.observe.reduction import row_labels
 from wirewear.diagnosis.observe.scars import FEWEST_POINTS, read_profile
 from wirewear.diagnosis.surrogate.candidates import effect_of
 from wirewear.diagnosis.surrogate.forward import PredictedLoops, simulate
-from wirewear.diagnosis.surrogate.sensing import still_to_come
+from wirewear.diagnosis.surrogate.sensed_loops import still_to_come
 from wirewear.diagnosis.wording import (
     in_words,
     next_measurement,

@@ -14,7 +14,7 @@ from wirewear.loops import LoopFigures
 from wirewear.pictures.panels import draw_loop, name_axes
 from wirewear.pictures.smooth import chosen_cycles
 from wirewear.pictures.style import GREY, INK, VARIANT_COLOURS, cycle_name, new_figure, panel_letters, save
-from wirewear.views.loops_report import AnalysedLoop, between, rounded
+from wirewear.views.loops_report import AnalysedLoop, rounded, with_interval
 
 LOOP, FIT, WIDTH = INK, VARIANT_COLOURS[1], VARIANT_COLOURS[0]
 
@@ -151,5 +151,5 @@ def _texts(figures: LoopFigures) -> tuple[list[str], list[str]]:
         elastic.insert(0, f"K_t,m = {' ± '.join(rounded(figures.measured_stiffness_N_per_um, 1e3))} N/mm")
     words = [f"{name} = {' ± '.join(rounded(value))}" for name, value in friction if value is not None]
     if figures.friction_partial_slip is not None:
-        words.append(f"µ partial slip: {between(figures.friction_partial_slip)}")
+        words.append(f"µ partial slip: {with_interval(figures.friction_partial_slip)}")
     return words, elastic

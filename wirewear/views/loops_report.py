@@ -167,15 +167,15 @@ def partial_slip_table(analysed: Sequence[AnalysedLoop]) -> Table | None:
         return None
 
     def cells(figures: LoopFigures) -> list[str]:
-        numbers = [between(getattr(figures, name)) for name, _, _ in WITHOUT_PLATEAU]
+        numbers = [with_interval(getattr(figures, name)) for name, _, _ in WITHOUT_PLATEAU]
         return [*numbers, " or ".join(one.removesuffix(" slip") for one in figures.regimes)]
 
     heads = [*(head for _, head, _ in WITHOUT_PLATEAU), "regime may be"]
     return _table(analysed, "Without a plateau (95 % interval)", heads, cells)
 
 
-def between(measured: Measured | None) -> str:
-    """Value with its interval as text, or the bounds if there is no value."""
+def with_interval(measured: Measured | None) -> str:
+    """Value with its interval as text; without a value the bounds, "≥ low" if there is no upper one; "–" for None."""
     if measured is None:
         return "–"
     low, high = measured.interval95

@@ -115,9 +115,11 @@ class LoadPolynomial:
 
 
 def fitted_polynomial(motions: Sequence[LoadedMotion]) -> LoadPolynomial:
-    """The polynomial fitted to motions under all normal loads by least squares (Infante-García et al. 2020, section
-    2.1). The effect of the normal load on the compliance is part of the residual, and so of the intervals (Student's
-    t). Raises SensorError for fewer than four tangential forces.
+    """Remote less near displacement as a polynomial of the tangential force, linear and quadratic, fitted to motions
+    under all normal loads by least squares (Infante-García et al. 2020, section 2.1).
+
+    The effect of the normal load on the compliance is part of the residual, and so of the intervals (Student's t).
+    Raises SensorError for fewer than four tangential forces.
     """
     force, remote, near = (
         np.concatenate([getattr(motion, name) for motion in motions])

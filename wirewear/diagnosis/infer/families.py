@@ -21,7 +21,7 @@ from wirewear.diagnosis.calibration import constants
 from wirewear.diagnosis.surrogate.forward import PredictedLoops
 from wirewear.diagnosis.surrogate.line_wear import EDGE
 from wirewear.diagnosis.surrogate.loop_states import SINE, FastMotion
-from wirewear.diagnosis.surrogate.sensing import KNEE, SLIDING
+from wirewear.diagnosis.surrogate.sensed_loops import KNEE, SLIDING
 from wirewear.effects import Seam
 
 #: +1 on the branch towards +x, −1 on the other.
@@ -349,7 +349,7 @@ FAMILIES: tuple[Family, ...] = (
 )
 
 
-def worn(share: Callable[[Array], Array]) -> Shape:
+def deeper_profiles(share: Callable[[Array], Array]) -> Shape:
     """Shape of worn profiles that are deeper by size · share(x/w) of their largest depth, w the scar's half-width."""
 
     def shape(b: Branches, size: float) -> PredictedLoops:
@@ -362,7 +362,7 @@ def worn(share: Callable[[Array], Array]) -> Shape:
     return shape
 
 
-def middle(width: float) -> Callable[[Array], Array]:
+def bump(width: float) -> Callable[[Array], Array]:
     """A function of u that gives exp(−(u/width)²), a bump about u = 0."""
     return lambda u: np.asarray(np.exp(-((u / width) ** 2)))
 
@@ -392,7 +392,11 @@ def half_width(x_um: Array, depth_um: Array) -> float:
 
 #: Those of the profiles that line contacts leave.
 PROFILE_FAMILIES: tuple[Family, ...] = (
-    Family(Seam.WEAR, MIDDLE_AND_FLANKS, (worn(middle(0.4)), worn(middle(0.2)))),
-    Family(Seam.WEAR, "wear that differs from one side of the scar to the other", (worn(aside(1)), worn(aside(3)))),
+    Family(Seam.WEAR, MIDDLE_AND_FLANKS, (deeper_profiles(bump(0.4)), deeper_profiles(bump(0.2)))),
+    Family(
+        Seam.WEAR,
+        "wear that differs from one side of the scar to the other",
+        (deeper_profiles(aside(1)), deeper_profiles(aside(3))),
+    ),
     Family(Seam.SPECIMENS, "scar of another width than the worn material makes", (widened,)),
 )

@@ -227,8 +227,8 @@ def physical_gap(
     states: WearStates, observed: Observations, before: SurrogateInputs, after: SurrogateInputs, cycles: tuple[int, ...]
 ) -> Mapping[str, tuple[float, float]]:
     """Mean distances of measured and computed loops over the given cycles, before and after adding effects, by a name
-    with its unit such as "slip_amplitude_um". before, after: setups. If no loop is of these cycles, all loops count; a
-    distance that no loop shows is left out.
+    with its unit such as "slip_amplitude_um"; of depths over all measured profiles. before, after: setups. If no loop
+    is of these cycles, all loops count; a distance that no loop shows is left out.
     """
     profiles = _profiles(states, observed, before, after)
     if not observed.loops:

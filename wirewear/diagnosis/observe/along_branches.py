@@ -26,7 +26,7 @@ from wirewear.diagnosis.observe.local_lines import (
 from wirewear.diagnosis.observe.measured_loops import FORCE_WINDOW, POSITION_WINDOW, ReducedLoop
 from wirewear.diagnosis.observe.observed_record import Reading
 from wirewear.diagnosis.surrogate.forward import PredictedLoops
-from wirewear.diagnosis.surrogate.sensing import read_along, still_to_come
+from wirewear.diagnosis.surrogate.sensed_loops import read_along, still_to_come
 from wirewear.loops.noise import noise_factor
 
 _OF_STICK = constants("observe.along_branches.stick")

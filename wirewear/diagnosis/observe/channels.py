@@ -29,7 +29,7 @@ from wirewear.diagnosis.observe.observable import (
 from wirewear.diagnosis.observe.observed_record import Reading, spread_cycles
 from wirewear.diagnosis.surrogate.forward import PredictedLoops
 from wirewear.diagnosis.surrogate.inputs import SurrogateInputs
-from wirewear.diagnosis.surrogate.sensing import SLIDING, read_along
+from wirewear.diagnosis.surrogate.sensed_loops import SLIDING, read_along
 from wirewear.loops.noise import median_in_steps
 from wirewear.loops.sensor import enclosed_areas
 

@@ -26,7 +26,7 @@ from wirewear.diagnosis.observe.measured_loops import ReducedLoop
 from wirewear.diagnosis.observe.observed_record import Reading
 from wirewear.diagnosis.surrogate.forward import PredictedLoops
 from wirewear.diagnosis.surrogate.inputs import SurrogateInputs
-from wirewear.diagnosis.surrogate.sensing import MIDDLE, SLIDING, read_along
+from wirewear.diagnosis.surrogate.sensed_loops import MIDDLE, SLIDING, read_along
 from wirewear.records.tables import Tolerance
 
 _OF_DIFFERENCES = constants("observe.observable")

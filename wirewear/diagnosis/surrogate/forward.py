@@ -17,13 +17,13 @@ import numpy as np
 from numpy.typing import NDArray
 
 from geometry.arrays import Array
-from wirewear.diagnosis.surrogate import sensing
+from wirewear.diagnosis.surrogate import sensed_loops
 from wirewear.diagnosis.surrogate.control import LEAST_SLIP, driven, half_reading, missing_of
-from wirewear.diagnosis.surrogate.followed import CyclePath, Followed, followed
 from wirewear.diagnosis.surrogate.inputs import NUMBERS, SurrogateInputs
 from wirewear.diagnosis.surrogate.layered_wires import LAYER_MEMORY, SHEAR_RATIO, FlattenedWires, remembered
 from wirewear.diagnosis.surrogate.loop_states import EVEN_POWERS, LIFT_POWERS, ODD_POWERS
 from wirewear.diagnosis.surrogate.sticking import worn_as_far
+from wirewear.diagnosis.surrogate.varying_load import CyclePath, Followed, followed
 from wirewear.diagnosis.surrogate.wear_states import WearStates
 from wirewear.effects import Chain
 
@@ -37,13 +37,13 @@ HIGHEST_ORDER = 16.0
 #: Relative change of `SCAR_FIGURES` per retained fraction, from a simulation with 40 %: debris holds wear in place.
 _CONCENTRATION = np.array([0.0, 0.5, -0.34, -0.25])
 
-_ODD = np.stack([sensing.POSITIONS**power for power in ODD_POWERS])
-_EVEN = np.stack([sensing.POSITIONS**power for power in EVEN_POWERS])
-_LIFT = np.stack([sensing.POSITIONS**power for power in LIFT_POWERS])
+_ODD = np.stack([sensed_loops.POSITIONS**power for power in ODD_POWERS])
+_EVEN = np.stack([sensed_loops.POSITIONS**power for power in EVEN_POWERS])
+_LIFT = np.stack([sensed_loops.POSITIONS**power for power in LIFT_POWERS])
 
 
 #: What is steeper towards the ends of the stroke, without a mean over it.
-_ENDS = sensing.POSITIONS**4 - 0.2
+_ENDS = sensed_loops.POSITIONS**4 - 0.2
 
 
 #: Columns of what is predicted that are of its loops.
@@ -148,14 +148,14 @@ def simulated(states: WearStates, setups: Sequence[SurrogateInputs], cycles: Arr
     at, ends = (first[:, None] + np.searchsorted(nodes, cycles)).ravel(), first + nodes.size - 1
     whole, setup = Chain.joined(chains), _columns(setups, cycles.size)
     chain, end = whole.taken(at), whole.taken(ends)
-    contact = _contact(states, setup, chain, swept[at], layer and layer.taken(at), share[at])
+    contact = _contact_at_slip(states, setup, chain, swept[at], layer and layer.taken(at), share[at])
     contact = replace(contact, share=share[at])
     if not in_time[0]:
-        true = *sensing.branches_of(contact, chain, slip[at]), sensing.loads_of(contact)
+        true = *sensed_loops.branches_of(contact, chain, slip[at]), sensed_loops.loads_of(contact)
     else:
         own = _followed(setup, chain, contact, slip[at])
         true = own.displacement_um, own.force_N, own.load_N
-    loops = sensing.read_by_sensors(setup, chain, *true, sensing.with_load(contact, states.stiffening))
+    loops = sensed_loops.read_by_sensors(setup, chain, *true, sensed_loops.with_load(contact, states.stiffening))
     under = np.zeros(len(setups)) if layer is None else layer.worn_under_um[ends]
     reach = states.reach(np.maximum(swept[ends], [LEAST_SLIP * one.amplitude_um for one in setups]))
     stated_um = np.array([one.print_um for one in setups])
@@ -206,11 +206,11 @@ def _wear_path(
         ]
         layer, chain = _Layer.of_all(states, chains, swept), Chain.joined(chains)
         for _ in range(_SLIP_SWEEPS if setup.load_cycle.steady else 1):
-            contact = _contact(states, setup, chain, swept, layer, share)
+            contact = _contact_at_slip(states, setup, chain, swept, layer, share)
             # What a swinging holder changes of slip goes with the square of the ratio of both frequencies.
             if setup.load_cycle.steady:
                 slip, share = driven(setup, chain, contact, slip)
-                energy = sensing.loop_energy(replace(contact, share=share), slip)
+                energy = sensed_loops.loop_energy(replace(contact, share=share), slip)
                 swept = slip if states.sticks else _swept(states, setup, replace(contact, share=share), slip)
             else:
                 found = _followed(setup, chain, contact, slip)
@@ -219,19 +219,19 @@ def _wear_path(
     return chains, slip, swept, energy, share
 
 
-def _swept(states: WearStates, setup: SurrogateInputs, contact: sensing.SlidingContact, slip: Array) -> Array:
+def _swept(states: WearStates, setup: SurrogateInputs, contact: sensed_loops.SlidingContact, slip: Array) -> Array:
     """Amplitudes (n,) in µm over which surfaces sweep one another: their motion less what bodies yield by the run's own
     order of micro-slip. A higher order sticks longer, but moves the bodies no less.
     """
     yielded = contact.yielding_um_per_N * contact.tip_N
-    moved = np.where(contact.share < 1.0, sensing.micro_slip(contact) - contact.share * yielded, slip)
+    moved = np.where(contact.share < 1.0, sensed_loops.micro_slip(contact) - contact.share * yielded, slip)
     more = contact.share * yielded * (1.0 - states.full_slip / contact.order)
     return np.asarray(np.maximum(moved + more, LEAST_SLIP * setup.amplitude_um))
 
 
-def _contact(
+def _contact_at_slip(
     states: WearStates, setup: SurrogateInputs, chain: Chain, slip: Array, layer: _Layer | None, reached: Array
-) -> sensing.SlidingContact:
+) -> sensed_loops.SlidingContact:
     """The contact's force curve at a slip amplitude, from the state of equal V R/δ⁴; reached: share of its friction."""
     slip = states.reach(np.maximum(slip, LEAST_SLIP * setup.amplitude_um))
     own = setup.stretch * slip
@@ -275,7 +275,7 @@ def _contact(
     less = np.minimum(3.0 * (1.0 - 1.0 / order), 1.0) if states.sticks else 1.0
     order = np.minimum(order * np.exp(less * setup.micro_slip), HIGHEST_ORDER)
     bends[:, 0] = reached
-    return sensing.SlidingContact(along, along * ratio, stiffness, springs, order, np.ones_like(stiffness), bends)
+    return sensed_loops.SlidingContact(along, along * ratio, stiffness, springs, order, np.ones_like(stiffness), bends)
 
 
 def _flats(
@@ -293,7 +293,7 @@ def _flats(
 @cache
 def _odd_hats(count: int) -> Array:
     """From values at so many even positions from the middle to an end to all positions (count, m): they are odd."""
-    sign, at, known = np.sign(sensing.POSITIONS), np.abs(sensing.POSITIONS), np.linspace(0.0, 1.0, count)
+    sign, at, known = np.sign(sensed_loops.POSITIONS), np.abs(sensed_loops.POSITIONS), np.linspace(0.0, 1.0, count)
     return np.stack([sign * np.interp(at, known, hat) for hat in np.eye(count)])
 
 
@@ -306,7 +306,7 @@ def _places(states: WearStates, similarity: Array) -> tuple[np.ndarray, Array]:
     return row, np.minimum(np.maximum(share, 0.0), 3.0)
 
 
-def _followed(setup: SurrogateInputs, chain: Chain, contact: sensing.SlidingContact, slip: Array) -> Followed:
+def _followed(setup: SurrogateInputs, chain: Chain, contact: sensed_loops.SlidingContact, slip: Array) -> Followed:
     """The cycle under a load that varies, by which a drive holds what it holds."""
     path = CyclePath.of(setup.motion, setup.load_cycle, swings=bool(chain.mass_kg.any()))
     slip = np.maximum(slip, LEAST_SLIP * setup.amplitude_um)

@@ -24,7 +24,7 @@ from wirewear.diagnosis.surrogate.loop_states import (
     load_shares,
     scar_figures_of,
 )
-from wirewear.diagnosis.surrogate.sensing import BENDS, WAVES
+from wirewear.diagnosis.surrogate.sensed_loops import BENDS, WAVES
 from wirewear.diagnosis.surrogate.springs import yielding_of
 from wirewear.results import Loop, RunResult
 from wirewear.test import study_from_tables

@@ -41,7 +41,7 @@ _NO_CYCLE = -1.0  #: In place of the number of a cycle where a sample belongs to
 
 
 class Filling(Protocol):
-    """What makes a mapping's tables those of one test."""
+    """Completes a mapping that several tests share by what one of them states, as a campaign's test does."""
 
     def tables(self, data: dict[str, object]) -> dict[str, object]:
         """The tables for the test, from those of the file."""

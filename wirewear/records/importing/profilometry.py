@@ -57,7 +57,7 @@ class MapOfBody:
 
     @property
     def axis_deg(self) -> float:
-        """Angle of the body's axis from the map's x, by the mapping."""
+        """Angle of the body's axis from the map's x: its own in the test's frame, else as the mapping says."""
         if self.source.frame == "test":
             return self.body.axis_angle_deg
         return 90.0 if self.source.axis == "y" else 0.0

@@ -13,13 +13,13 @@ from geometry.arrays import Array, BoolArray, IntArray
 from solvers import LoadCycle
 from wirewear.diagnosis.calibration import constants
 from wirewear.diagnosis.surrogate.loop_states import FastMotion
-from wirewear.diagnosis.surrogate.sensing import POSITIONS, STICK, SlidingContact
+from wirewear.diagnosis.surrogate.sensed_loops import POSITIONS, STICK, SlidingContact
 from wirewear.diagnosis.surrogate.springs import Curves, Rig, Rows, through
 
 if TYPE_CHECKING:
     from wirewear.effects import Chain
 
-_KNOWN = constants("surrogate.followed")
+_KNOWN = constants("surrogate.varying_load")
 
 #: Instants of a stroke and of a rest, and the share of the stroke by which the first ones of a stroke are apart.
 _INSTANTS, _AT_REST, _CLOSE = _KNOWN.count("instants"), _KNOWN.count("instants_at_rest"), _KNOWN.number("close")
