@@ -41,9 +41,7 @@ _CYCLES, _STEPS = 20, 16
 
 @dataclass(frozen=True, eq=False)
 class FlowGrid:
-    """Metal of both bodies on evenly spaced lines x (along the motion) and y in mm, and at depths in mm, as `rubbed` left
-    it.
-    """
+    """Metal of both bodies, as `rubbed` left it, on even lines x (along the motion) and y in mm, at depths in mm."""
 
     axes_mm: tuple[Array, Array]
     depths_mm: Array

@@ -119,8 +119,8 @@ def curve_rows(resolution: int) -> tuple[Row, ...]:
 def pressed_beyond(
     beyond: float, radius_mm: float, modulus_MPa: float, stress_MPa: float, resolution: int
 ) -> tuple[float, Indentation]:
-    """(load in N, `beyond` times that of first yield; indentation) of a perfectly plastic body under a hard sphere, by the
-    half-space solver.
+    """(load in N, `beyond` times that of first yield; indentation) of a perfectly plastic body under a hard sphere, by
+    the half-space solver.
 
     modulus_MPa: contact modulus E*. stress_MPa: yield stress. resolution: points per contact radius.
     """
