@@ -210,8 +210,9 @@ def test_loops_that_stick_show_another_friction_at_the_ends_of_their_stroke() ->
     assert candidate.values(found.best.coordinates)["friction"] == pytest.approx(0.5, rel=0.04)
 
 
-def test_normal_forces_of_loops_that_stick_are_computed_over_the_part_of_the_stroke_where_they_are_measured() -> None:
-    crossed = with_effect(circumstances(2.0, compliance_um_per_N=0.05), "force_crosstalk", {"coefficient": 0.08})
+@pytest.mark.parametrize("share", [0.08, 0.3])
+def test_normal_forces_of_loops_that_stick_are_computed_where_they_are_measured(share: float) -> None:
+    crossed = with_effect(circumstances(2.0, compliance_um_per_N=0.05), "force_crosstalk", {"coefficient": share})
     observed = reduce(read_loops(simulate(ball(), crossed, CYCLES), 2.0))
     of_load = observed.layout.marked(part for part in observed.layout if part.observable.name == "normal_direction")
     measured, computed = observed.values[:, of_load], observed.layout.computed(ball(), crossed)[0][of_load]

@@ -69,13 +69,12 @@ class _OfNormalForce(OfLoops):
 
 
 def _loads_of(predicted: PredictedLoops) -> Array:
-    """Mean normal forces (n, 2) of both branches while sliding; over the later half of the displacement where none
-    slides, over all of it where the load varies.
+    """Mean normal forces (n, 2) of both branches while sliding, over all of the displacement if the load varies; over
+    its later half where a contact sticks.
     """
     x, p = predicted.displacement_um, predicted.normal_force_N
-    if load_varies(p):
-        return mean_load(x, p)
-    return np.where(predicted.slip_um[:, None] == 0.0, mean_load(x, p, late=True), p[:, :, SLIDING:].mean(axis=2))
+    sliding = mean_load(x, p) if load_varies(p) else p[:, :, SLIDING:].mean(axis=2)
+    return np.where(predicted.slip_um[:, None] == 0.0, mean_load(x, p, late=True), sliding)
 
 
 class NormalForce(_OfNormalForce):

@@ -185,10 +185,9 @@ def reduced_loop(measured: MeasuredLoop, stated: Noise, normal_load_N: float) ->
     noise_q = max(noise, LEAST_NOISE * mid)
     error = clean.amplitude_noise_um * correlated * stretch if clean.smoothed else noise_x
     means, normal_error = _normal(normal, normal_noise, stretch)
-    varies = any(load_varies(branch.normal_N) for branch in branches)
-    if means is not None and (varies or sticks):
+    if means is not None and (sticks or any(load_varies(branch.normal_N) for branch in branches)):
         loads = [(own.displacement_um, own.normal_N) for own in branches if own.normal_N is not None]
-        one, other = (mean_load(*own, late=not varies) for own in loads)
+        one, other = (mean_load(*own, late=sticks) for own in loads)
         means = float(one), float(other)
     return ReducedLoop(
         repeat=loop.repeat,
