@@ -324,7 +324,6 @@ def test_a_block_of_a_record_is_a_test_of_its_conditions_in_which_all_wear(measu
 
 
 def test_by_default_the_block_with_the_longest_stroke_and_most_loops_is_looked_at(measured: ExperimentRecord) -> None:
-    assert measured.of_block().block == 1
     assert [(part.block, bool(part.scars)) for part in measured.blocks()] == [(1, True), (2, False), (3, False)]
     assert measured.of_block(2).scars == ()
     assert needs_search(measured.of_block(2))
